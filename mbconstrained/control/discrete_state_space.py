@@ -30,6 +30,7 @@ from .state_equations import (
     channel_places,
     delays_of_inputs,
     roots_of,
+    state_matrices,
     state_values,
     transfer_of,
     values_with_sizes,
@@ -171,18 +172,8 @@ class DiscreteStateSpace(Displayed):
         outputs: Sequence[str] | None = None,
     ):
         self.step = real_number(step, "step", positive=True)
-        A = real_array(A, "A")
-        A = A.reshape(0, 0) if not A.size else real_array(A, "A", shape=(None, None))
-        if A.shape[0] != A.shape[1]:
-            raise InputError(f"A: expected a square matrix, found {A.shape[0]} x {A.shape[1]}")
+        self.A, self.B, self.C, self.D = A, B, C, D = state_matrices(A, B, C, D)
         n = len(A)
-        D = None if D is None else real_array(D, "D", shape=(None, None))
-        inputs_count = 0 if D is None else D.shape[1]
-        outputs_count = 0 if D is None else D.shape[0]
-        B = np.zeros((n, inputs_count)) if B is None or (not np.size(B) and not n) else real_array(B, "B", shape=(n, None))
-        C = np.zeros((outputs_count, n)) if C is None or (not np.size(C) and not n) else real_array(C, "C", shape=(None, n))
-        D = np.zeros((len(C), B.shape[1])) if D is None else real_array(D, "D", shape=(len(C), B.shape[1]))
-        self.A, self.B, self.C, self.D = A, B, C, D
         self.states, self.inputs = names_of(states, n, "states", "x"), names_of(inputs, B.shape[1], "inputs", "u")
         self.outputs = names_of(outputs, len(C), "outputs", "y")
         self.notices: tuple[Notice, ...] = growth_notices(np.linalg.eigvals(A)) if n else ()

@@ -36,18 +36,10 @@ class StateEquations(Displayed):
         outputs: Sequence[str] | None = None,
         units: Mapping[str, str] | None = None,
     ):
-        A = real_array(A, "A", shape=(None, None))
-        if A.shape[0] != A.shape[1]:
-            raise InputError(f"A: expected a square matrix, found {A.shape[0]} x {A.shape[1]}")
-        if not len(A):
+        if not real_array(A, "A").size:
             raise InputError("A: found no entries; a state space needs at least one state")
-        self.A, n = _fixed(A), len(A)
-        feedthrough = (0, 0) if D is None else real_array(D, "D", shape=(None, None)).shape if B is None or C is None else None
-        self.B = _fixed(np.zeros((n, feedthrough[1])) if B is None else real_array(B, "B", shape=(n, None)))
-        p = self.B.shape[1]
-        self.C = _fixed(np.zeros((feedthrough[0], n)) if C is None else real_array(C, "C", shape=(None, n)))
-        q = len(self.C)
-        self.D = _fixed(np.zeros((q, p)) if D is None else real_array(D, "D", shape=(q, p)))
+        self.A, self.B, self.C, self.D = map(_fixed, state_matrices(A, B, C, D))
+        n, p, q = len(self.A), self.B.shape[1], len(self.C)
         self.is_descriptor = descriptor is not None
         self.E = _fixed(np.eye(n) if descriptor is None else real_array(descriptor, "descriptor", shape=(n, n)))
         self.states, self.inputs = names_of(states, n, "states", "x"), names_of(inputs, p, "inputs", "u")
@@ -115,6 +107,20 @@ class StateEquations(Displayed):
     def force_with_outputs(self, u: ImpulsiveSmooth) -> ImpulsiveSmooth:
         """[B; D] u, n + q rows."""
         return u.mapped(np.vstack([self.B, self.D]))
+
+
+def state_matrices(A, B, C, D) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """A, B, C and D of matching shapes; no inputs, no outputs and zero where they are not given."""
+    A = real_array(A, "A")
+    A = real_array(A, "A", shape=(None, None)) if A.size else A.reshape(0, 0)
+    if A.shape[0] != A.shape[1]:
+        raise InputError(f"A: expected a square matrix, found {A.shape[0]} x {A.shape[1]}")
+    n = len(A)
+    q, p = (0, 0) if D is None else real_array(D, "D", shape=(None, None)).shape
+    B = real_array(B, "B", shape=(n, None)) if B is not None and (n or np.size(B)) else np.zeros((n, p))
+    C = real_array(C, "C", shape=(None, n)) if C is not None and (n or np.size(C)) else np.zeros((q, n))
+    D = np.zeros((len(C), B.shape[1])) if D is None else real_array(D, "D", shape=(len(C), B.shape[1]))
+    return A, B, C, D
 
 
 def state_values(initial, states: Sequence[str], what: str = "initial") -> np.ndarray:

@@ -168,19 +168,12 @@ def stacked(vectors: Sequence[np.ndarray]) -> np.ndarray:
 def best_rows(
     vectors: Sequence[np.ndarray], required: Sequence[int] = (), most: bool = False, noise: float = 0.0
 ) -> tuple[tuple[int, ...], np.ndarray]:
-    """As many rows of polynomial columns as there are columns, whose minor has the fewest zeros, or the most; the last rows first.
+    """As many rows of polynomial columns as there are columns, whose minor has the fewest zeros, or the most, and its coefficients, lowest first.
 
-    Of rows with as many zeros those are preferred whose zeros are in the left half plane.
-
-    Args:
-        vectors: the columns of a minimal basis, at least one; no minor has more zeros than the sum of their degrees.
-        required: rows that must be among them; their minors must not all vanish.
-        most: whether as many zeros as possible are wanted. Free coordinates chosen so are inputs of which the others are proper functions,
-            so that they need no derivatives of them (Willems 1991, section VIII).
-        noise: relative error of the vectors.
-
-    Returns:
-        The rows, ascending, and the coefficients of their determinant, lowest first.
+    The last rows come first; of rows with as many zeros those are preferred whose zeros are in the left half plane. Free coordinates
+    chosen with ``most`` zeros are inputs of which the others are proper functions, so that they need no derivatives of them (Willems
+    1991, section VIII). The minors of ``required`` rows must not all vanish; no minor has more zeros than the sum of the degrees of the
+    columns of a minimal basis, which have a relative error ``noise``.
     """
     used = np.flatnonzero(np.any([(vector != 0).any(axis=0) for vector in vectors], axis=0)).tolist()
     others, best = [row for row in reversed(used) if row not in required], None

@@ -7,6 +7,7 @@ from contextlib import suppress
 from copy import copy
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Protocol
 
 import numpy as np
 import scipy
@@ -55,17 +56,11 @@ BY_MATRICES = 16
 
 @dataclass(frozen=True, eq=False)
 class Lines:
-    """C A(i w)^-1 B at F lines.
+    """C A(i w)^-1 B at F lines."""
 
-    Attributes:
-        values: shape (p, m, F).
-        errors: estimates of the absolute errors, shape (p, m, F); infinite where A(i w) is singular to working precision.
-        solutions: A(i w)^-1 B, shape (r, m, F), where they were requested.
-    """
-
-    values: np.ndarray
-    errors: np.ndarray
-    solutions: np.ndarray | None = None
+    values: np.ndarray  # shape (p, m, F)
+    errors: np.ndarray  # estimates of the absolute errors; infinite where A(i w) is singular to working precision
+    solutions: np.ndarray | None = None  # A(i w)^-1 B, shape (r, m, F), where they were requested
 
     @property
     def relative(self) -> np.ndarray:
@@ -285,24 +280,16 @@ def _bilinear(sizes, terms) -> np.ndarray:
 
 @dataclass(frozen=True, eq=False)
 class _Pattern:
-    """The filled pattern of the permuted matrix.
+    """The filled pattern of the permuted matrix."""
 
-    Attributes:
-        rows, columns: the permutations, shape (r,).
-        own: places of the entries of A in the factors, with their rows and columns there.
-        lower, upper: for each pivot the rows below it and the columns right of it.
-        place: place of each entry of the factors.
-        operations: of the elimination.
-    """
-
-    row_order: np.ndarray
+    row_order: np.ndarray  # the permutations, shape (r,)
     column_order: np.ndarray
-    rows: np.ndarray
+    rows: np.ndarray  # of the entries of the factors, in the permuted matrix
     columns: np.ndarray
-    lower: list[list[int]]
-    upper: list[list[int]]
-    place: dict[tuple[int, int], int]
-    operations: int
+    lower: list[list[int]]  # for each pivot the rows below it
+    upper: list[list[int]]  # and the columns right of it
+    place: dict[tuple[int, int], int]  # of each entry among those of the factors
+    operations: int  # of the elimination
 
     @classmethod
     def of(cls, pattern, row_order, column_order) -> _Pattern:
@@ -455,17 +442,15 @@ def _lu(matrix):
 # The matrices of a frequency response: s^p C A(s)^-1 B, with names and units of its inputs and outputs.
 
 
-class LeftOut:
+class LeftOut(Protocol):
     """Part of the response that a reduced model omits."""
 
     @property
     def highest_hz(self) -> float:
         """The highest frequency up to which the errors are bounded."""
-        raise NotImplementedError
 
     def bound(self, omega: np.ndarray) -> np.ndarray:
         """Bounds of the absolute errors of C A^-1 B at w in rad/s, shape (p, m, F)."""
-        raise NotImplementedError
 
 
 @dataclass(frozen=True, eq=False)

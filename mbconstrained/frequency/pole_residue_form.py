@@ -27,17 +27,11 @@ from ..polynomial.structure import FiniteZero
 
 @dataclass(frozen=True, eq=False)
 class Pole:
-    """A pole of H(s).
+    """A pole of H(s)."""
 
-    Attributes:
-        value: in 1/s.
-        residues: R_0, R_1, ... with the terms R_j / (s - value)^(j + 1), shape (order, p, m).
-        zero: the eigenvalue of A(s) that it is, or whose conjugate; None where residues are unknown.
-    """
-
-    value: complex
-    residues: np.ndarray
-    zero: FiniteZero | None
+    value: complex  # in 1/s
+    residues: np.ndarray  # R_0, R_1, ... with the terms R_j / (s - value)^(j + 1), shape (order, p, m)
+    zero: FiniteZero | None  # the eigenvalue of A(s) that it is, or whose conjugate; None where residues are unknown
 
     @property
     def order(self) -> int:
@@ -47,17 +41,11 @@ class Pole:
 
 @dataclass(frozen=True)
 class PoleOnLine:
-    """A requested frequency at which H has a pole on the imaginary axis.
+    """A requested frequency at which H has a pole on the imaginary axis."""
 
-    Attributes:
-        line: its number.
-        frequency_hz: in Hz.
-        pole: with order and residues; entries of ``values`` are the finite part there, H without the terms of the pole.
-    """
-
-    line: int
-    frequency_hz: float
-    pole: Pole
+    line: int  # its number
+    frequency_hz: float  # in Hz
+    pole: Pole  # with order and residues; entries of ``values`` are the finite part there, H without the terms of the pole
 
 
 #: Lines that are summed at once: their terms stay near the processor.
@@ -71,16 +59,11 @@ LINES = 512
 
 @dataclass(frozen=True, eq=False)
 class ModalSum:
-    """C_e (s I - diag(poles))^-1 B_e.
+    """C_e (s I - diag(poles))^-1 B_e."""
 
-    Attributes:
-        poles: shape (2 r,).
-        outputs, inputs: C_e and B_e, shapes (p, 2 r) and (2 r, m).
-    """
-
-    poles: np.ndarray
-    outputs: np.ndarray
-    inputs: np.ndarray
+    poles: np.ndarray  # shape (2 r,)
+    outputs: np.ndarray  # C_e, shape (p, 2 r)
+    inputs: np.ndarray  # B_e, shape (2 r, m)
 
     @classmethod
     def of(cls, coefficients, inputs, outputs) -> ModalSum | None:
@@ -124,19 +107,12 @@ class ModalSum:
 
 @dataclass(frozen=True, eq=False)
 class PoleResidueForm:
-    """Poles, residues and polynomial part of s^p C A(s)^-1 B.
+    """Poles, residues and polynomial part of s^p C A(s)^-1 B."""
 
-    Attributes:
-        pairs: pairs of A(s).
-        inputs: B, shape (r, m).
-        outputs: C, shape (p, r), real or complex.
-        power: p.
-    """
-
-    pairs: JordanPairs
-    inputs: np.ndarray
-    outputs: np.ndarray
-    power: int = 0
+    pairs: JordanPairs  # pairs of A(s)
+    inputs: np.ndarray  # B, shape (r, m)
+    outputs: np.ndarray  # C, shape (p, r), real or complex
+    power: int = 0  # p
 
     @cached_property
     def poles(self) -> tuple[Pole, ...]:

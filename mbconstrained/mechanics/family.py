@@ -27,8 +27,7 @@ from ..signals.inputs import step, zero
 from .constraints import Constraint, right_sides
 from .modes import Modes, rest_shapes
 from .motion import Motion
-from .stacked_equations import StackedEquations, stacked_equations
-from .stacked_motion import StackedFlow, stacked_flow
+from .stacked_equations import StackedEquations, StackedFlow, stacked_equations, stacked_flow
 from .stacked_poles import StackedPoles, StackedTransfer, in_parts, stacked_poles
 from .system import MechanicalSystem
 

@@ -450,7 +450,7 @@ def steady_state(
         loads[omega][:n] += amplitude
     for place, row in enumerate(rows, start=n):
         loads[0.0][place] += row.value
-        for omega, amplitude in harmonics_of(row.signal, period, harmonics) if getattr(row, "signal", None) is not None else ():
+        for omega, amplitude in harmonics_of(row.signal, period, harmonics) if row.signal is not None else ():
             loads[omega][place] += amplitude[0]
     further = OutputNames.of(system).chosen("outputs", outputs, quantity, ()) if len(outputs) else []
     constants = np.array([one.constant for one in further])
@@ -461,14 +461,11 @@ def steady_state(
     A = PolynomialMatrix(coefficients, [*names, *(f"output {number}" for number in range(1, len(B) - len(names) + 1))])
     C = np.vstack([np.diag(np.repeat([1.0, -1.0], [n, len(rows)])) @ np.eye(len(names), len(B)), of_outputs])
     answers, errors = np.zeros((len(C), len(omegas)), dtype=complex), np.zeros(len(omegas))
+    labels = ("real part", "imaginary part"), (*names, *(one.name for one in further)), np.full((len(C), 2), "")
+    delayed = delayed_unknowns(system, A.size)
     for line, omega in enumerate(omegas):
         parts = B @ np.stack([loads[omega].real, loads[omega].imag], axis=1)
-        structural = imaginary if omega else None
-        table, rows_of_table = np.full((len(C), 2), ""), (*names, *(one.name for one in further))
-        delayed = delayed_unknowns(system, A.size)
-        at_line = Harmonic(
-            A, parts, C, 0, structural, sizes, ("real part", "imaginary part"), rows_of_table, table, delayed=delayed
-        )
+        at_line = Harmonic(A, parts, C, 0, imaginary if omega else None, sizes, *labels, delayed=delayed)
         H = evaluated(at_line, [omega / (2 * np.pi)])
         if H.poles_on_lines:
             if not omega:

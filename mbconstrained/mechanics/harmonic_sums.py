@@ -1,14 +1,15 @@
-"""Sums of harmonics, f(t) = Re sum of c_l e^{i w_l t}: their common period, RMS value and largest modulus."""
+"""Sums of harmonics, f(t) = Re sum of c_l e^{i w_l t}: amplitudes as given, their common period, RMS value and largest modulus."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from math import lcm
 
 import numpy as np
 
 from ..ground.tolerances import EPS, SAME_FREQUENCY
+from .equations import EquationsOfMotion
 
 #: Most periods of the lowest frequency in the common one, and of the highest.
 MOST_PERIODS, MOST_TURNS = 1000, 100_000
@@ -18,6 +19,15 @@ SAMPLES, REFINED, STEPS = 16, 3, 3
 
 #: Numbers in one transform.
 CHUNK = 1 << 22
+
+
+def complex_amplitudes(system: EquationsOfMotion, given, what: str) -> np.ndarray:
+    """Complex numbers for all coordinates of a system, given in order or by name, shape (n,)."""
+    real, imaginary = (
+        system._vector({name: part(one) for name, one in given.items()} if isinstance(given, Mapping) else part(given), what)
+        for part in (np.real, np.imag)
+    )
+    return real + 1j * imaginary
 
 
 def common_rate(rates: Sequence[float] | np.ndarray) -> float | None:

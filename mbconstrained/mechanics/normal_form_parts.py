@@ -83,23 +83,15 @@ class InfinitePart(Displayed):
 
 @dataclass(frozen=True, eq=False)
 class StatePart:
-    """x_f' = J x_f + B u, y = C x_f, with x = columns x_f + ..., x_f = start x, of the finite part of a system or of some of its modes.
+    """x_f' = J x_f + B u, y = C x_f, with x = columns x_f + ..., x_f = start x, of the finite part of a system or of some of its modes."""
 
-    Attributes:
-        name: which part of the system it is, for texts.
-        data: the whole.
-        explicit: J, B and C; C is None where no outputs were given.
-        noise: of J and of B.
-        columns, rows, start: V, P and P F, shapes (n, n_f), (n_f, n) and (n_f, n).
-    """
-
-    name: str
-    data: StateSpaceData
-    explicit: StateSpaceData
-    noise: tuple[np.ndarray, np.ndarray]
-    columns: np.ndarray
-    rows: np.ndarray
-    start: np.ndarray
+    name: str  # which part of the system it is, for texts
+    data: StateSpaceData  # the whole
+    explicit: StateSpaceData  # J, B and C; C is None where no outputs were given
+    noise: tuple[np.ndarray, np.ndarray]  # of J and of B
+    columns: np.ndarray  # V, shape (n, n_f)
+    rows: np.ndarray  # P, shape (n_f, n)
+    start: np.ndarray  # P F, shape (n_f, n)
 
     @cached_property
     def _inputs(self) -> tuple[np.ndarray, Noisy]:
@@ -173,11 +165,7 @@ class DescriptorParts:
 
 
 def descriptor_parts(data: StateSpaceData) -> DescriptorParts:
-    """Decouple the finite and the infinite part.
-
-    Raises:
-        NoNormalForm: det(s F - A) = 0 for every s, the finite part has an odd number of states or too many inputs.
-    """
+    """The finite and the infinite part, decoupled."""
     from ..control.state_equations import StateEquations
 
     A, B, F = data.A, data.B, data.F

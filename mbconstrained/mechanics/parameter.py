@@ -158,11 +158,7 @@ def _of_parts(name: str, value: float, parts: Mapping[str, np.ndarray]) -> Param
 
 
 def parameter_named(parameters: Sequence[Parameter], name: str) -> Parameter:
-    """The parameter of this name.
-
-    Raises:
-        InputError: an unknown name.
-    """
+    """The parameter of this name, or an InputError."""
     known = {one.name: one for one in parameters}
     if name not in known:
         names = ", ".join(list(known)[:MOST_NAMES]) or "none"

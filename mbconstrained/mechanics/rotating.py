@@ -6,7 +6,7 @@ Sources: Genta, Dynamics of Rotating Systems (2005), chapters 3 and 4; Friswell,
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from copy import copy
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
@@ -25,6 +25,7 @@ from ..ground.tolerances import EPS, NEWTON_STEP, noise_of
 from ..linalg.arrays import block_diag
 from ..polynomial.variation import FamilyPart, MatrixFamily, followed, located, refined_values, stability_limits
 from .equations import EquationsOfMotion
+from .harmonic_sums import complex_amplitudes
 from .parameter import Parameter, ascending
 
 # The equations of a rotor at constant speed W, M x'' + (C + W G) x' + (K + W N) x = f, with speed-dependent bearings.
@@ -107,7 +108,7 @@ def rotor_family(system: EquationsOfMotion, within: float | None = None) -> tupl
         raise InputError("nothing is free to vibrate: constraint rows and prescribed motions give every coordinate")
 
     def reduced(matrices: np.ndarray) -> np.ndarray:
-        return np.array([V.T @ matrix @ V for matrix in matrices])
+        return V.T @ matrices @ V
 
     if within is not None or not system.speed_tables:
         at = within or 0.0
@@ -457,12 +458,7 @@ def _unbalance(system: EquationsOfMotion, given) -> np.ndarray:
         if system.unbalance is None:
             raise InputError("unbalance: the system has none; give it in kg m, complex, one number for each coordinate or by name")
         return system.unbalance
-    parts = (
-        {name: part(one) for name, one in given.items()} if isinstance(given, Mapping) else part(given)
-        for part in (np.real, np.imag)
-    )
-    real, imaginary = (system._vector(part, "unbalance") for part in parts)
-    return real + 1j * imaginary
+    return complex_amplitudes(system, given, "unbalance")
 
 
 class SteadyStates:

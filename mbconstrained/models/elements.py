@@ -314,7 +314,19 @@ LOSS_FACTOR = "eta of structural damping, k (1 + i eta): for frequency responses
 
 
 @dataclass(frozen=True)
-class Link(Element):
+class TwoEnded(Element):
+    """An element between two bodies; its row is that of the displacement of its end relative to its start, by coordinate."""
+
+    start: Annotated[str, Joins('The body at its start; "ground" does not move.')]
+    end: Annotated[str, Joins("The body at its end.")]
+
+    end_count = 2
+    spellings: ClassVar = {"between": ("start", "end")}
+    row = property(lambda self: {self.start: -1, self.end: 1})
+
+
+@dataclass(frozen=True)
+class Link(TwoEnded):
     """An element with the force -stiffness (e - rest) - damping e' along its elongation e, the sum of row times coordinate.
 
     Attributes:
@@ -323,14 +335,8 @@ class Link(Element):
         row: the factors of the coordinates; that of the ground is ignored.
     """
 
-    start: Annotated[str, Joins('The body at its start; "ground" does not move.')]
-    end: Annotated[str, Joins("The body at its end.")]
-
-    end_count = 2
-    spellings: ClassVar = {"between": ("start", "end")}
     unit = property(lambda self: self.axis)
     rest = property(lambda self: 0.0)
-    row = property(lambda self: {self.start: -1, self.end: 1})
 
 
 @dataclass(frozen=True)
@@ -411,7 +417,7 @@ class GearMesh(Link):
     internal: Annotated[bool, "true where one gear runs inside the other."] = False
 
     axis, unit, symbol = "rad", "m", "gear"
-    spellings: ClassVar = {**Link.spellings, "radii": ("start_radius", "end_radius"), "teeth": ("start_teeth", "end_teeth")}
+    spellings: ClassVar = {**TwoEnded.spellings, "radii": ("start_radius", "end_radius"), "teeth": ("start_teeth", "end_teeth")}
 
     def __post_init__(self):
         super().__post_init__()
@@ -449,7 +455,7 @@ MEASURED = "Where what is measured starts, of displacement and velocity of its e
 
 
 @dataclass(frozen=True)
-class DelayedFeedback(Element):
+class DelayedFeedback(TwoEnded):
     """Feedback with dead time: force -(displacement_gain e + velocity_gain e')(t - delay) on the end, its opposite on the start.
 
     e = x_end - x_start of the element itself, or of the bodies that are measured. Negative gains are a positive feedback. Before t = 0
@@ -467,17 +473,13 @@ class DelayedFeedback(Element):
         -0.242152
     """
 
-    start: Annotated[str, Joins('The body at its start; "ground" does not move.')]
-    end: Annotated[str, Joins("The body at its end.")]
     delay: Annotated[Real, Numeric("s", "Dead time between the measurement and the force.", "positive", varied=False)]
     displacement_gain: Annotated[Real, Numeric("N/m", "Force by displacement.", varied=False)] = 0.0
     velocity_gain: Annotated[Real, Numeric("N*s/m", "Force by velocity.", varied=False)] = 0.0
     measured_start: Annotated[str, Joins(MEASURED.format("start"))] = None
     measured_end: Annotated[str, Joins("The body that is measured; its own end when left out.")] = None
 
-    end_count = 2
     symbol = "strut"
-    spellings: ClassVar = {"between": ("start", "end")}
     unit = property(lambda self: self.axis)
 
     def __post_init__(self):
@@ -491,11 +493,6 @@ class DelayedFeedback(Element):
     @property
     def ends(self) -> dict[str, str | None]:
         return {name: unit for name, unit in self._joined if name is not None}
-
-    @property
-    def row(self) -> dict[str, float]:
-        """The factors of the force on the coordinates."""
-        return {self.start: -1.0, self.end: 1.0}
 
     @property
     def measured_row(self) -> dict[str, float]:
@@ -534,13 +531,8 @@ class Tie(Element):
 
 
 @dataclass(frozen=True)
-class TwoEndedTie(Tie):
+class TwoEndedTie(TwoEnded, Tie):
     """A tie of two bodies."""
-
-    start: Annotated[str, Joins('The body at its start; "ground" does not move.')]
-    end: Annotated[str, Joins("The body at its end.")]
-
-    spellings: ClassVar = Link.spellings
 
 
 @dataclass(frozen=True)
@@ -550,7 +542,6 @@ class RigidTie(TwoEndedTie):
     distance: Annotated[Real, Numeric(None, "x_end - x_start; a length, or an angle between bodies that turn.")] = 0.0
 
     axis, symbol = None, "rod"
-    row = property(lambda self: {self.start: -1.0, self.end: 1.0})
     row_value = property(lambda self: self.distance)
 
     def settled(self, units: Mapping[str, str]) -> Self:
@@ -568,7 +559,7 @@ class Lever(TwoEndedTie):
     end_arm: Annotated[Real, Numeric("m", "The arm to the end; negative where it lies on the same side as the other.", "nonzero")]
 
     symbol = "rod"
-    spellings: ClassVar = {**Link.spellings, "arms": ("start_arm", "end_arm")}
+    spellings: ClassVar = {**TwoEnded.spellings, "arms": ("start_arm", "end_arm")}
     row = property(lambda self: {self.start: 1.0, self.end: self.start_arm / self.end_arm})
 
 
@@ -584,7 +575,7 @@ class Gear(TwoEndedTie):
     ratio: Annotated[Real, Numeric("1", "In place of radii: turns of the start for one turn of the end.", "positive")] = None
 
     axis, symbol = "rad", "gear"
-    spellings: ClassVar = {**Link.spellings, "radii": ("start_radius", "end_radius"), "teeth": ("start_radius", "end_radius")}
+    spellings: ClassVar = {**TwoEnded.spellings, "radii": ("start_radius", "end_radius"), "teeth": ("start_radius", "end_radius")}
 
     def __post_init__(self):
         super().__post_init__()

@@ -30,7 +30,7 @@ from ..mechanics.switched.switches import (
     releasable,
     rigid_contact,
 )
-from .elements import Element, Joins, Link, Numeric, Tie
+from .elements import Element, Link, Numeric, Tie, TwoEnded
 
 if TYPE_CHECKING:
     Real = Any
@@ -41,15 +41,10 @@ Row = np.ndarray
 
 
 @dataclass(frozen=True)
-class SwitchingElement(Element):
+class SwitchingElement(TwoEnded):
     """An element between two bodies that has several states."""
 
-    start: Annotated[str, Joins('The body at its start; "ground" does not move.')]
-    end: Annotated[str, Joins("The body at its end.")]
-
     axis: ClassVar[str | None] = None
-    end_count = 2
-    spellings: ClassVar = {"between": ("start", "end")}
     symbol: ClassVar[Any] = "stop"
     #: Units of fields without one, between bodies that move and that turn.
     own_units: ClassVar[Mapping[str, tuple[str, str]]] = {}
@@ -68,11 +63,6 @@ class SwitchingElement(Element):
     def limits(self) -> tuple[float | None, float | None]:
         """The displacements of its end relative to its start at which it closes from above and from below."""
         return None, None
-
-    @property
-    def row(self) -> dict[str, float]:
-        """The factors of the coordinates in the displacement of its end relative to its start."""
-        return {self.start: -1.0, self.end: 1.0}
 
     def switches(self, row: Row, unit: str) -> tuple[Switch, ...]:
         """The switches of the element, for its row over the coordinates of a model."""
@@ -370,12 +360,9 @@ def released(element: Link | Tie, release: Release, row: Row, unit: str) -> Swit
     """The switch of a spring, damper or tie that is released."""
     if isinstance(element, Link):
         branch = ForceBranch(row, vars(element).get("stiffness", 0.0), element.rest, vars(element).get("damping", 0.0))
-        switch = releasable(element.name, (), (branch,), release.at, release.guards(row, element.name, branch))
-    else:
-        tie = Constraint(row, level=element.level, value=element.row_value, names=element.name)
-        switch = releasable(element.name, (tie,), (), release.at, release.guards(row, element.name, None))
-    switch.unit = unit
-    return switch
+        return releasable(element.name, (), (branch,), release.at, release.guards(row, element.name, branch), unit)
+    tie = Constraint(row, level=element.level, value=element.row_value, names=element.name)
+    return releasable(element.name, (tie,), (), release.at, release.guards(row, element.name, None), unit)
 
 
 def with_release(switches: Sequence[Switch], release: Release, row: Row) -> tuple[Switch, ...]:

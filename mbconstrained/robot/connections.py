@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any, Literal, get_args
+from typing import Any, ClassVar, Literal, get_args
 
 import numpy as np
 
@@ -23,7 +23,7 @@ from ..ground.errors import InputError
 from ..linalg.arrays import block_diag
 from .description.urdf import HIDDEN
 from .kinematics import Anchor, Kinematics, RelativePose, turned_product
-from .tangent import Tangent, joint_displacement
+from .tangent import Tangent, joint_displacements
 
 LoopKind = Literal["point", "rigid", "hinge", "prismatic", "cylindrical", "universal", "rod"]
 Vector = Sequence[float]
@@ -53,6 +53,8 @@ class Connection(Public):
     name: str | None = field(default=None, kw_only=True)
 
     word = "connection"
+    turning: ClassVar[Any] = True  # whether it depends on the rotation of its frames
+    between_points: ClassVar[Any] = ""  # its name where it is along the line between two points
 
     def __post_init__(self):
         for key in ("body1", "body2"):
@@ -75,16 +77,6 @@ class Connection(Public):
             raise InputError(f"{self.label}: found rotation2 without {missing[0]}; give both, or neither")
         if self.body1 == self.body2:
             raise InputError(f'{self.label}: both ends are on "{self.body1}"; name two bodies')
-
-    @property
-    def turning(self) -> bool:
-        """Whether the connection depends on the rotation of its frames."""
-        return True
-
-    @property
-    def between_points(self) -> str:
-        """Name of the connection along the line between two points; empty for others."""
-        return ""
 
     @property
     def label(self) -> str:
@@ -117,6 +109,8 @@ class Support(Connection):
     normal: Vector = field(default=(0.0, 0.0, 1.0), kw_only=True)
     patch: Sequence[float] | None = field(default=None, kw_only=True)
 
+    has_sole: ClassVar[Any] = False  # whether it has torques about all axes
+
     def __post_init__(self):
         super().__post_init__()
         self._set_vector("normal")
@@ -130,11 +124,6 @@ class Support(Connection):
                 wanted = "two lengths of the sole of a foot with friction that is rigid or has springs about all axes"
                 raise InputError(f"{self.label}: patch: found {self.patch}; expected {wanted}")
             self._set("patch", tuple(extents))
-
-    @property
-    def has_sole(self) -> bool:
-        """Whether the connection has torques about all axes."""
-        return False
 
     @property
     def unit_normal(self) -> np.ndarray:
@@ -315,17 +304,8 @@ class BodySpring(Connection):
     preload: float | None = None
     damping: float = 0.0
 
-    word = "spring"
-
-    @property
-    def turning(self) -> bool:
-        """Whether the connection depends on the rotation of its frames."""
-        return False
-
-    @property
-    def between_points(self) -> str:
-        """Name of the connection: a spring."""
-        return "spring"
+    word = between_points = "spring"
+    turning = False
 
     def __post_init__(self):
         super().__post_init__()
@@ -654,13 +634,9 @@ class StretchedTendon:
     @cached_property
     def length(self) -> float:
         """L (m, rad)."""
-        model, q = self._kinematics.tree.model, self._kinematics.configuration
-        turned = (
-            self.attached.row[joint.idx_v] * joint_displacement(joint, q, 0.0)
-            for joint in list(model.joints)[1:]
-            if joint.nv == 1 and self.attached.row[joint.idx_v]
-        )
-        return self.attached.offset + sum(turned) + sum(factor * np.linalg.norm(pose.value[:3]) for pose, factor in self._poses)
+        row, kinematics = self.attached.row, self._kinematics
+        turned = row @ joint_displacements(kinematics.tree.model, kinematics.configuration, np.zeros(len(row)))
+        return float(self.attached.offset + turned + sum(factor * np.linalg.norm(pose.value[:3]) for pose, factor in self._poses))
 
     @cached_property
     def _directions(self) -> list[np.ndarray]:

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import TYPE_CHECKING, TypeGuard
 
@@ -115,19 +115,17 @@ class LinearRange(Displayed):
 
 def linear_range(motion: Motion, posture: Posture, times=None) -> LinearRange:
     """The deviation of the linear motion of a robot at these times; without times, over the periods of its slowest eigenvalue."""
-    return max(_linear_ranges(motion, posture, times), key=lambda one: one.deviation)
+    return _deviations(motion, posture, times)[0].linear_range()
 
 
 def range_notices(motion: Motion, posture: Posture, grips: Sequence[Grip]) -> tuple[Notice, ...]:
     """Notices on a motion beyond the linear range; of a switched robot, also how far it is from that, and feet that slip."""
-    ranges = _linear_ranges(motion, posture, None)
-    ranges = sorted(ranges, key=lambda one: -one.deviation)[:MOST_PHASES]
+    ranges = [one.linear_range() for one in _deviations(motion, posture, None)[:MOST_PHASES]]
     notices = tuple(notice for one in ranges for notice in one.notices)
     if not _is_switched(motion):
         return notices
-    worst = ranges[0]
-    about = Notice(NoticeKind.SWITCH, f"all contacts keep their directions, as motions are small about the posture; {worst.text}")
-    return (*(notices or (about,)), *grip_notices(grips, motion))
+    text = f"all contacts keep their directions, as motions are small about the posture; {ranges[0].text}"
+    return (*(notices or (Notice(NoticeKind.SWITCH, text),)), *grip_notices(grips, motion))
 
 
 def _is_switched(motion: Motion) -> TypeGuard[SwitchedMotion]:
@@ -135,18 +133,19 @@ def _is_switched(motion: Motion) -> TypeGuard[SwitchedMotion]:
     return hasattr(motion, "phases")
 
 
-def _linear_ranges(motion: Motion, posture: Posture, times) -> list[LinearRange]:
-    """The range in each phase, one of a motion without."""
+def _deviations(motion: Motion, posture: Posture, times) -> list[_Deviation]:
+    """The deviation in each phase, the largest first; one of a motion without phases."""
     if not _is_switched(motion):
         times = _horizon(motion) if times is None else np.atleast_1d(np.asarray(times, dtype=float))
-        return [_Deviation(motion, posture, times, motion.system, 0.0).linear_range()]
+        return [_Deviation(motion, posture, times, motion.system, 0.0)]
     if times is None:
         times = np.union1d(np.linspace(0.0, motion.solution.sequence.end, HORIZON_TIMES), [time for time, _ in motion.phases])
     times = np.atleast_1d(np.asarray(times, dtype=float))
-    return [
-        replace(_Deviation(motion, posture, times[places], phase.system, phase.constant).linear_range(), phase=phase.name)
+    phases = [
+        _Deviation(motion, posture, times[places], phase.system, phase.constant, phase.name)
         for phase, places in motion._by_phase(times)
     ]
+    return sorted(phases, key=lambda one: -one.worst[1])
 
 
 def _horizon(motion: Motion) -> np.ndarray:
@@ -161,33 +160,49 @@ class _Deviation:
     """The residual of one motion at a few times, as a function of its amplitude."""
 
     def __init__(
-        self, motion: Motion, posture: Posture, times: np.ndarray, system: EquationsOfMotion, constant: np.ndarray | float
+        self,
+        motion: Motion,
+        posture: Posture,
+        times: np.ndarray,
+        system: EquationsOfMotion,
+        constant: np.ndarray | float,
+        phase: str = "",
     ):
-        self.system, self.posture, self._switched = system, posture, getattr(motion.system, "switched_loops", ())
+        self.system, self.posture, self.phase = system, posture, phase
+        self._switched = getattr(motion.system, "switched_loops", ())
         self._links = len(self.posture.robot.coordinates)
         everywhere = np.array([view(times) for view in (motion, motion.derivative(1))])
         self.furthest = np.abs(everywhere[0, : self._links]).max(axis=1)
         self.relative = self.furthest / self.posture.balance.load.lengths
+        self._largest = float(self.relative.max())
         self.times = times[_worth_looking_at(everywhere)]
         self.motion = np.array([view(self.times) for view in (motion, motion.derivative(1), motion.derivative(2))])
         self.force = (motion.applied.smooth(self.times).T + constant).T
         self._N = null_space(self.system.constraint_matrix) if self.system.rows else None
         self._norm, self.scale, fastest = self._measures()
         self._step = DIFFERENCE / fastest if fastest else 0.0
+        self._moves = self.scale > 0 and self._step > 0 and bool(np.isfinite(self.scale))
         self._beyond = self._other_forces()
         self._linear: dict[int, np.ndarray] = {}
 
+    @cached_property
+    def worst(self) -> tuple[int, float]:
+        """The place of the time with the largest deviation, and the deviation."""
+        if not self._moves:
+            return 0, 0.0
+        visible = max(1.0, VISIBLE / self._largest) if self._largest else 1.0
+        place = int(np.argmax([self._deviation(place, visible) for place in range(len(self.times))]))
+        return place, self._deviation(place, 1.0)
+
     def linear_range(self) -> LinearRange:
         """The result, with the amplitude at which the deviation is 10 %."""
-        robot, most = self.posture.robot, int(self.relative.argmax())
-        amplitude, unit = float(self.furthest[most]), robot.units[most]
-        if not (self.scale > 0 and self._step > 0 and np.isfinite(self.scale)):
-            return LinearRange(0.0, float(self.times[0]), robot.coordinates[most], unit, amplitude, np.inf)
-        visible = max(1.0, VISIBLE / self.relative[most]) if self.relative[most] else 1.0
-        worst = int(np.argmax([self._deviation(place, visible) for place in range(len(self.times))]))
-        deviation, largest = self._deviation(worst, 1.0), FURTHEST / self.relative[most] if self.relative[most] else np.inf
-        limit = _share(partial(self._deviation, worst), deviation, largest) * amplitude
-        return LinearRange(deviation, float(self.times[worst]), robot.coordinates[most], unit, amplitude, limit)
+        robot, most, (place, deviation) = self.posture.robot, int(self.relative.argmax()), self.worst
+        amplitude, limit = float(self.furthest[most]), np.inf
+        if self._moves:
+            largest = FURTHEST / self._largest if self._largest else np.inf
+            limit = _share(partial(self._deviation, place), deviation, largest) * amplitude
+        time, name, unit = float(self.times[place]), robot.coordinates[most], robot.units[most]
+        return LinearRange(deviation, time, name, unit, amplitude, limit, self.phase)
 
     def _measures(self) -> tuple[Callable[[np.ndarray], float], float, float]:
         """The norm of forces along N, the largest force of the linear motion in it, and the rate of the motion (1/s)."""
@@ -216,7 +231,7 @@ class _Deviation:
     def _deviation(self, place: int, share: float) -> float:
         """Norm of the nonlinear residual of this share of the motion, relative to the forces of that share."""
         if place not in self._linear:
-            small = LINEAR_SHARE / max(1.0, float(self.relative.max()))
+            small = LINEAR_SHARE / max(1.0, self._largest)
             self._linear[place] = self._residual(place, small) / small
         return self._norm(self._residual(place, share) - share * self._linear[place]) / (share * self.scale)
 

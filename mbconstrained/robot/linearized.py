@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..ground.checks import OF_FUNCTION, nearest, real_number
+from ..ground.coordinate_units import force_unit
 from ..ground.errors import InputError
 from ..ground.notices import Notice
 from ..ground.tolerances import CONE_TOLERANCE, NOISE_SAFETY
@@ -35,7 +36,6 @@ from ..signals.impulsive import ImpulsiveSmooth
 from ..signals.inputs import zero
 from .connections import AXES, BodySpring, PointMotion
 from .description.urdf import link_masses, replace_masses
-from .flexible_joint import FlexibleJoint
 from .kinematics import Tree
 from .posture_search import limit_values, moving_contact_notices
 from .robot_model import RobotModel
@@ -208,7 +208,7 @@ def robot_parameters(posture: Posture, linearize: Linearize) -> Iterator[Paramet
 def _joints(posture: Posture, linearize: Linearize) -> Iterator[Parameter]:
     robot, size = posture.robot, len(posture.robot.coordinates) + len(posture.robot.flexible_joints)
     for place, (name, unit) in enumerate(zip(robot.coordinates, robot.units)):
-        of_force = "N m" if unit == "rad" else "N"
+        of_force = force_unit(unit)
         value, only = float(robot.joint_stiffness[place]), np.eye(len(robot.coordinates))[place]
         if value:
             build = partial(_with_joint_stiffness, posture, linearize, only, value)
@@ -220,16 +220,21 @@ def _joints(posture: Posture, linearize: Linearize) -> Iterator[Parameter]:
 
 def _flexible_joints(robot: RobotModel) -> Iterator[Parameter]:
     """Stiffness and damping of gears: [1, -1; -1, 1] between link and motor, without effect on the statics of the links."""
-    count = len(robot.coordinates)
-    for number, (name, joint) in enumerate(robot.flexible_joints.items()):
-        stretch = np.zeros(count + len(robot.flexible_joints))
-        stretch[[robot.coordinates.index(name), count + number]] = -1.0, 1.0
+    for (name, joint), stretch in zip(robot.flexible_joints.items(), gear_stretches(robot)):
         unit = robot.units[robot.coordinates.index(name)]
-        of_force = "N m" if unit == "rad" else "N"
-        for key, over in (("stiffness", unit), ("damping", f"s/{unit}")):
+        for key, over in (("stiffness", "/"), ("damping", " s/")):
             if value := getattr(joint, key):
                 slopes: dict[str, Any] = {key: np.outer(stretch, stretch)}
-                yield Parameter(f"{name}.{key}", value, **slopes, unit=f"{of_force}/{over}".replace("/s/", " s/"))
+                yield Parameter(f"{name}.{key}", value, **slopes, unit=f"{force_unit(unit)}{over}{unit}")
+
+
+def gear_stretches(robot: RobotModel) -> np.ndarray:
+    """The angle of each motor less that of its link, by the coordinates of both, shape (f, n)."""
+    links = [robot.coordinates.index(name) for name in robot.flexible_joints]
+    stretches = np.zeros((len(links), len(robot.coordinates) + len(links)))
+    for motor, link in enumerate(links):
+        stretches[motor, [link, len(robot.coordinates) + motor]] = -1.0, 1.0
+    return stretches
 
 
 def _connections(posture: Posture, linearize: Linearize) -> Iterator[Parameter]:
@@ -324,6 +329,7 @@ class LinearizedRobot(MechanicalSystem):
             motor's), or a force or torque on a body.
         outputs: by name a row of C in y = C d, shape (n,): a joint's angle, or the motion of a point.
         input_units, output_units: "m" or "rad" for each, along which a force in N or a torque in N m works.
+        flexible_joints: the flexible joints with the places of their links' coordinates; their motors follow after all links.
         switched_loops: names of loops of the posture that are closed in some phases of a switched robot only.
         grips: contacts of a switched robot that do not slide.
     """
@@ -336,15 +342,15 @@ class LinearizedRobot(MechanicalSystem):
         self.posture = posture
         checked_level(level, "level")
         self._stiffness_parts = stiffness_parts(posture)
-        self._flexible = [(robot.coordinates.index(name), joint) for name, joint in robot.flexible_joints.items()]
+        self.flexible_joints = tuple((robot.coordinates.index(name), joint) for name, joint in robot.flexible_joints.items())
         K, rounding = sum(part for _, part in self._stiffness_parts), stiffness_rounding(posture)
         noise = NOISE_SAFETY * rounding
         link_stiffness, notices = symmetric_stiffness(posture, np.where(np.abs(K) > noise, K, 0.0))
         self._notices = (*notices, *lost_springs(self._stiffness_parts[:-1], noise))
         sizes = balance.entry_sizes
         damping = np.diag(robot.joint_damping) + sum(cleaned(part, sizes) for part in balance.dampings)
-        motors = [joint for _, joint in self._flexible]
-        names = (*robot.coordinates, *(f"{robot.coordinates[i]} motor" for i, _ in self._flexible))
+        motors = [joint for _, joint in self.flexible_joints]
+        names = (*robot.coordinates, *(f"{robot.coordinates[i]} motor" for i, _ in self.flexible_joints))
         super().__init__(
             mass=self._with_motors(cleaned(balance.mass, sizes)) + self._at_motors([motor.reflected_inertia for motor in motors]),
             damping=self._with_motors(damping)
@@ -355,7 +361,7 @@ class LinearizedRobot(MechanicalSystem):
             + self._at_motors([motor.proportional_gain for motor in motors]),
             constraints=self._rows(level),
             names=names,
-            units=(*robot.units, *(robot.units[i] for i, _ in self._flexible)),
+            units=(*robot.units, *(robot.units[i] for i, _ in self.flexible_joints)),
             energy_parts=self._energy_parts(),
             uncertainty={
                 "mass": self._with_motors(rounding_errors(balance.mass, sizes)),
@@ -392,11 +398,6 @@ class LinearizedRobot(MechanicalSystem):
     def connection_forces(self) -> ConnectionForces:
         """Forces of loops, springs and bushings as combinations of motion and multipliers, in the directions of the ground."""
         return connection_forces(self.posture, self.size, [row.name for row in self.rows])
-
-    @property
-    def flexible_joints(self) -> tuple[tuple[int, FlexibleJoint], ...]:
-        """The flexible joints with the places of their links' coordinates; their motors follow after all links."""
-        return tuple(self._flexible)
 
     @property
     def notices(self) -> tuple[Notice, ...]:
@@ -535,13 +536,15 @@ class LinearizedRobot(MechanicalSystem):
         ['hinge stop impact']
         """
         from ..mechanics.switched.switched_system import SwitchedSystem
-        from .switching import robot_switches
+        from .switching import load_of, robot_switches
 
-        own = robot_switches(self.posture, self.size, parts)
-        loops = [item.connection for item in self.posture.loops if item.connection.name in own.loops]
-        common = copy(self.without_rows(name for loop in loops for name in loop.row_names))
-        common.static_force, common.switched_loops, common.grips = self.static_force - own.load, own.loops, own.grips
-        return SwitchedSystem.of_switches(common, own.switches)
+        switches, grips = robot_switches(self.posture, self.size, parts)
+        loops = tuple(part.opened for part in parts if part.opened is not None)
+        rows = (row for item in self.posture.loops if item.connection.name in loops for row in item.connection.row_names)
+        common = copy(self.without_rows(rows))
+        common.static_force = self.static_force - load_of(self.posture, self.size, loops)
+        common.switched_loops, common.grips = loops, grips
+        return SwitchedSystem.of_switches(common, switches)
 
     def without_rows(self, names: Iterable[str]) -> LinearizedRobot:
         """Return the robot without some of its constraint rows, such as those of a moving base that another motion replaces.
@@ -661,7 +664,7 @@ class LinearizedRobot(MechanicalSystem):
                 raise InputError(f"base: found {name!r}{nearest(str(name), AXES)}; expected {', '.join(AXES)}")
         links = momentum(self.posture)[[AXES.index(name) for name in names]]
         units = ["kg m^2" if name.startswith("r") else "kg" for name in names]
-        return effective_masses(self, names, units, np.pad(links, ((0, 0), (0, len(self._flexible)))).T)
+        return effective_masses(self, names, units, np.pad(links, ((0, 0), (0, len(self.flexible_joints)))).T)
 
     def with_points(self, inputs=None, outputs=None) -> LinearizedRobot:
         """Return the robot with other inputs and outputs.
@@ -689,23 +692,20 @@ class LinearizedRobot(MechanicalSystem):
 
     def _with_motors(self, links: np.ndarray) -> np.ndarray:
         """A matrix of the links, with zeros for the motors."""
-        return np.pad(links, (0, len(self._flexible)))
+        return np.pad(links, (0, len(self.flexible_joints)))
 
     def _at_motors(self, values: Sequence[float]) -> np.ndarray:
         return np.diag([*np.zeros(len(self.posture.robot.coordinates)), *values])
 
     def _gears(self, values: Sequence[float]) -> np.ndarray:
         """Each value as a matrix between a motor and its link: [v, -v; -v, v]."""
-        count = len(self.posture.robot.coordinates)
-        stretch = np.zeros((len(self._flexible), count + len(self._flexible)))
-        for motor, (link, _) in enumerate(self._flexible):
-            stretch[motor, [link, count + motor]] = -1.0, 1.0
-        return stretch.T @ np.diag(np.array(values, dtype=float)) @ stretch
+        stretches = gear_stretches(self.posture.robot)
+        return stretches.T @ np.diag(np.array(values, dtype=float)) @ stretches
 
     def _rows(self, level: Level) -> list[Constraint]:
         balance = self.posture.balance
         names, units = balance.load.row_names, balance.load.row_units
-        motors = ((0, 0), (0, len(self._flexible)))
+        motors = ((0, 0), (0, len(self.flexible_joints)))
         J, doubt = (np.pad(part, motors) for part in cleaned_rows(balance.jacobian, balance.sizes, units))
         return [
             Constraint(J[i], level=level, names=names[i], unit=units[i], uncertainty=doubt[i])
@@ -725,27 +725,22 @@ class LinearizedRobot(MechanicalSystem):
         return row
 
     def _directions(self, what: str, values) -> tuple[dict[str, np.ndarray], dict[str, str]]:
-        """Inputs or outputs by name over the coordinates, with their units."""
-        directions, row = {}, self._input if what == "input" else self._row
-        for name, value in _by_name(values, f"{what}s").items():
+        """Inputs or outputs by name over the coordinates, with their units; the torque of a flexible joint is that of its motor."""
+        if not isinstance(values, Mapping):
+            raise InputError(f"{what}s: found {type(values).__name__}; expected joints or mb.PointMotion by names of your own")
+        directions, units = {}, {}
+        for name, value in values.items():
+            label = f'{what} "{name}"'
             if what == "input" and name in self.names:
-                raise InputError(
-                    f'input "{name}": this is the name of a coordinate, on which forces can act anyway; choose another'
-                )
-            directions[str(name)] = row(value, f'{what} "{name}"')
-        return directions, {str(name): self._unit(value) for name, value in values.items()}
-
-    def _input(self, value, what: str) -> np.ndarray:
-        motor = f"{value} motor"
-        return self._row(motor if motor in self.names else value, what)
-
-    def _unit(self, value) -> str:
-        if isinstance(value, PointMotion):
-            return "rad" if value.turn else "m"
-        return self.units[value]
+                raise InputError(f"{label}: this is the name of a coordinate, on which forces can act anyway; choose another")
+            if what == "input" and (motor := f"{value} motor") in self.names:
+                value = motor
+            directions[str(name)] = self._row(value, label)
+            units[str(name)] = ("rad" if value.turn else "m") if isinstance(value, PointMotion) else self.units[value]
+        return directions, units
 
     def _energy_parts(self) -> EnergyParts:
-        robot, count = self.posture.robot, len(self._flexible)
+        robot, count = self.posture.robot, len(self.flexible_joints)
         kinetic = [(name, self._with_motors(part)) for name, part in body_masses(self.posture)]
         armature = np.array(robot.model.armature)
         rotors = [
@@ -756,7 +751,7 @@ class LinearizedRobot(MechanicalSystem):
         ]
         kinetic += [(name, self._with_motors(part)) for name, part in rotors]
         strain = [(name, self._with_motors(part)) for name, part in self._stiffness_parts]
-        for place, (link, joint) in enumerate(self._flexible):
+        for place, (link, joint) in enumerate(self.flexible_joints):
             only, name = np.eye(count)[place], robot.coordinates[link]
             kinetic.append((f"{name} motor", self._at_motors(only * joint.reflected_inertia)))
             strain.append((f"gear of {name}", self._gears(only * joint.stiffness)))
@@ -790,9 +785,3 @@ def _by_distinct_names(parts: list[tuple[str, np.ndarray]]) -> dict[str, np.ndar
 def _chosen(channels):
     """The names of a mapping, and the other names of channels."""
     return list(channels) if isinstance(channels, Mapping) else channels
-
-
-def _by_name(values, what: str) -> Mapping:
-    if not isinstance(values, Mapping):
-        raise InputError(f"{what}: found {type(values).__name__}; expected joints or mb.PointMotion by names of your own")
-    return values

@@ -17,6 +17,7 @@ from functools import cached_property
 import numpy as np
 
 from ..ground.checks import listed, nearest
+from ..ground.coordinate_units import force_unit
 from ..ground.display import Displayed, TextTable, notice_table
 from ..ground.errors import InputError
 from ..ground.notices import Notice, NoticeKind
@@ -37,7 +38,7 @@ from ..ground.tolerances import (
 from .connections import AXES, Attached, AttachedTendon, BodySpring, Bushing, PointMotion, StretchedTendon
 from .kinematics import Anchor, Kinematics, RelativePose, Tree, cross_matrix
 from .robot_model import RobotModel
-from .tangent import MimicRow, joint_displacement
+from .tangent import MimicRow, joint_displacements
 
 
 @dataclass(frozen=True, eq=False)
@@ -227,11 +228,7 @@ class Balance:
     @cached_property
     def joint_stretch(self) -> np.ndarray:
         """The displacement of each joint from its rest, for a continuous one modulo a full turn, shape (nv,)."""
-        stretch = np.zeros(self.tree.model.nv)
-        for joint in list(self.tree.model.joints)[1:]:
-            if joint.nv == 1:
-                stretch[joint.idx_v] = joint_displacement(joint, self.configuration, self.load.joint_rest[joint.idx_v])
-        return stretch
+        return joint_displacements(self.tree.model, self.configuration, self.load.joint_rest)
 
 
 @dataclass(frozen=True, eq=False)
@@ -502,7 +499,7 @@ def _check(state: Equilibrium, search: Search) -> None:
     if not state.residual <= BALANCED:
         left = np.where(search.free, state.balance.force - state.balance.jacobian.T @ state.multipliers, 0.0)
         worst = int(np.abs(left * search.load.lengths).argmax())  # in comparable units
-        force = f"{abs(left[worst]):.4g} {'N m' if search.load.units[worst] == 'rad' else 'N'} on {search.names[worst]}"
+        force = f"{abs(left[worst]):.4g} {force_unit(search.load.units[worst])} on {search.names[worst]}"
         advice = singular or "; give another guess, springs, loops, forces, or joints to hold"
         raise InputError(
             f"equilibrium: there is none near the guess: {force} stay without balance, {state.residual:.2g} of the largest force, and "

@@ -36,8 +36,6 @@ if TYPE_CHECKING:
 #: Times at which forces of feet are compared with their cones.
 CONE_TIMES = 400
 
-_AXES = ("x", "y", "z")
-
 
 @dataclass(frozen=True, eq=False)
 class Grip:
@@ -68,11 +66,9 @@ class StickingContact(Switch):
         frictionless = rigid_contact(name, row, gap, 0.0)
         sliding = frictionless.states["closed"]
         closed = replace(sliding, rows=(*sliding.rows, *across))
-        super().__init__(name, frictionless.states | {"closed": closed, "sliding": sliding})
-        self.contact, self.sticking = (
-            replace(frictionless.contact, sliding="sliding"),
-            np.vstack([row, *(one.rows for one in across)]),
-        )
+        contact = replace(frictionless.contact, sliding="sliding")
+        super().__init__(name, frictionless.states | {"closed": closed, "sliding": sliding}, contact=contact)
+        self.sticking = np.vstack([row, *(one.rows for one in across)])
 
     def start(self, x: np.ndarray, v: np.ndarray) -> str:
         touches = np.isclose(self.contact.row @ x, -self.contact.gap, rtol=STILL, atol=0.0)
@@ -216,7 +212,9 @@ class PointContact(RobotSwitch):
         if self.sticks and (self.stiffness is not None or self.restitution):
             other = "restitution" if self.stiffness is None else "stiffness"
             raise InputError(f"{label}: found {other} and sticks; a contact that sticks is rigid and comes to rest without rebound")
-        friction = _checked_friction(self.friction, self.sticks, label)
+        friction = None if self.friction is None else real_number(self.friction, f"{label}: friction", minimum=0.0)
+        if friction is not None and not self.sticks:
+            raise InputError(f"{label}: friction is checked of a contact that sticks; add sticks=True, or leave friction out")
         normal = _direction(self.normal, f"{label}: normal")
         kinematics = posture.balance.kinematics
         anchor, plane = frames.point(PointMotion(self.body, self.point), label), frames.link(GROUND)
@@ -368,51 +366,24 @@ class ClosingLoop(RobotSwitch):
         return (Switch(name, states, release),), None
 
 
-@dataclass(frozen=True, eq=False)
-class RobotSwitches:
-    """The parts of a switched robot.
-
-    Attributes:
-        switches: with all states.
-        loops: names of loops of the posture that are rows of some phases only.
-        load: J^T lambda of these loops at the posture, shape (n,).
-        grips: contacts that do not slide.
-    """
-
-    switches: tuple[Switch, ...]
-    loops: tuple[str, ...]
-    load: np.ndarray
-    grips: tuple[Grip, ...]
-
-
-def robot_switches(posture: Posture, size: int, parts: Sequence[RobotSwitch]) -> RobotSwitches:
-    """Parts with several states at a posture, over a number of coordinates."""
+def robot_switches(posture: Posture, size: int, parts: Sequence[RobotSwitch]) -> tuple[tuple[Switch, ...], tuple[Grip, ...]]:
+    """The switches of parts at a posture, over a number of coordinates, and the contacts that do not slide."""
     wanted = "mb.JointStop, mb.PointContact, mb.LiftingFoot or mb.ClosingLoop"
     for part in parts or (None,):
         if not isinstance(part, RobotSwitch):
             raise InputError(f"with_switches: found {'nothing' if part is None else type(part).__name__}; expected {wanted}")
     own = [part._switches(posture, size) for part in parts]
-    switches = [switch for several, _ in own for switch in several]
-    loops = [part.opened for part in parts if part.opened is not None]
+    switches = tuple(switch for several, _ in own for switch in several)
     names = [switch.name for switch in switches]
     for name in names:
         if names.count(name) > 1:
             raise InputError(f'with_switches: "{name}" is given twice; give one of them another name')
-    load = sum((_load_of(posture, size, name) for name in loops), np.zeros(size))
-    return RobotSwitches(tuple(switches), tuple(loops), load, tuple(grip for _, grip in own if grip is not None))
+    return switches, tuple(grip for _, grip in own if grip is not None)
 
 
 def _contact(name, row, gap, restitution, stiffness, damping, unit: str) -> tuple[Switch, ...]:
     """The switch of a rigid or elastic contact."""
     return Contact("body", "other", gap, restitution, stiffness, damping, name=name).settled({"body": unit}).switches(row, unit)
-
-
-def _checked_friction(value, sticks: bool, label: str) -> float | None:
-    if value is None:
-        return None
-    if not sticks:
-        raise InputError(f"{label}: friction is checked of a contact that sticks; add sticks=True, or leave friction out")
-    return real_number(value, f"{label}: friction", minimum=0.0)
 
 
 def _direction(value, label: str) -> np.ndarray:
@@ -430,7 +401,7 @@ def _split(
     nonzero = np.abs(normal) > 0
     aligned = nonzero.sum() == 1
     across = np.eye(3)[~nonzero] if aligned else np.linalg.svd(normal[None])[2][1:]
-    words = [axis for axis, own in zip(_AXES, nonzero) if not own] if aligned else ["shift 1", "shift 2"]
+    words = [axis for axis, own in zip("xyz", nonzero) if not own] if aligned else ["shift 1", "shift 2"]
     clean = _clean(posture, size, np.vstack([normal, across]) @ rows, ["m"] * 3)
     kept = [(f"{name} {word}", row) for word, row in zip(words, clean[1:]) if row.any()]
     constraints = tuple(Constraint(row, level="velocity", names=own, unit="m") for own, row in kept)
@@ -474,10 +445,14 @@ def _shifts(posture: Posture, item: Attached) -> np.ndarray:
     return -moved if item.connection.body2 == GROUND else moved
 
 
-def _load_of(posture: Posture, size: int, name: str) -> np.ndarray:
-    """J^T lambda of a loop at the posture, shape (n,)."""
-    _, pose, gradient, places = next(one for one in posture.balance.loops if one[0].connection.name == name)
-    force = pose.jacobian.T @ (gradient.T @ posture.multipliers[places])
+def load_of(posture: Posture, size: int, loops: Sequence[str]) -> np.ndarray:
+    """J^T lambda of some loops at the posture, shape (n,)."""
+    own = [
+        pose.jacobian.T @ (gradient.T @ posture.multipliers[places])
+        for item, pose, gradient, places in posture.balance.loops
+        if item.connection.name in loops
+    ]
+    force = sum(own, np.zeros(len(posture.robot.coordinates)))
     return np.pad(force, (0, size - len(force)))
 
 

@@ -5,20 +5,12 @@ import json
 import numpy as np
 import pytest
 
-SCENE = """
-[model]
-kind = "lumped"
-mass = [{ name = "machine", mass = "2 kg" }]
-spring = [{ between = ["ground", "machine"], stiffness = "200 N/m" }]
-damper = [{ between = ["ground", "machine"], damping = "4 N*s/m" }]
-[time]
-end = 1
-"""
+from tests.scene.scenes import MACHINE
 
 
 def scene(folder):
     path = folder / "machine.toml"
-    path.write_text(SCENE, encoding="utf-8")
+    path.write_text(MACHINE, encoding="utf-8")
     return str(path)
 
 

@@ -8,22 +8,14 @@ import pytest
 from mbconstrained.analyses.random import Random, random_response
 from mbconstrained.ground.errors import SceneError
 from mbconstrained.scene.run.scene import read_scene
+from tests.scene.scenes import MACHINE
 
-SCENE = """
-[model]
-kind = "lumped"
-mass = [{ name = "machine", mass = "2 kg" }]
-spring = [{ between = ["ground", "machine"], stiffness = "200 N/m" }]
-damper = [{ between = ["ground", "machine"], damping = "4 N*s/m" }]
-[time]
-end = 1
-"""
 WHITE = '[[random.input]]\non = "machine"\nwhite = 3\n'
 
 
 def scene(folder, random=WHITE):
     path = folder / "machine.toml"
-    path.write_text(SCENE + random, encoding="utf-8")
+    path.write_text(MACHINE + random, encoding="utf-8")
     return str(path)
 
 
@@ -103,7 +95,7 @@ of = "acceleration"
 frequencies = ["10 Hz", "20 Hz"]
 values = {}
 """
-    supported = SCENE.replace("spring = [", 'node = [{ name = "base" }]\nspring = [').replace(
+    supported = MACHINE.replace("spring = [", 'node = [{ name = "base" }]\nspring = [').replace(
         '"ground", "machine"', '"base", "machine"'
     )
     own = table.replace('"machine"', '"base"')

@@ -97,17 +97,14 @@ def test_a_motion_without_end_has_peaks_but_no_spectrum(command, tmp_path):
 
 @pytest.mark.long
 def test_wrong_records_and_options(command, tmp_path):
-    def error(*options, text=RECORD):
-        (tmp_path / "record.csv").write_text(text, encoding="utf-8")
+    def error(*options):
+        (tmp_path / "record.csv").write_text(RECORD, encoding="utf-8")
         code, out, err = command("shock", "record.csv", *options)
         assert code in (1, 2) and not out
         return err
 
     assert "expected m/s^2" in error("--unit", "kg")
-    assert "there is no column" in error("--column", "b") or "column" in error("--column", "b")
-    assert "line 3" in error(text=RECORD.replace("5", "nan"))
-    assert "must ascend" in error(text=RECORD.replace("0.03", "0.001"))
-    assert "found 1 column" in error(text="1\n2\n3\n")
+    assert "there is no column" in error("--column", "b")
     assert "shock.damping_ratio" in error("--damping", "abc")
     assert "there is no such file" in command("shock", "missing.csv")[2]
     assert command("shock", scene(tmp_path), "--unit", "g")[0] == 2
@@ -117,10 +114,7 @@ def test_wrong_records_and_options(command, tmp_path):
 @pytest.mark.parametrize(
     ("record", "message"),
     [
-        ("t (s), a (g)\n0, 0\n0.01,\n0.02, 0\n", "record.csv, line 3: it has another number of columns"),
-        ("t (s), a (g)\n0, 0\n0.01, nan\n0.02, 0\n", "record.csv, line 3: found an entry that is nan"),
         ("t (s), a (g)\n0, 0\n0.02, 1\n0.01, 0\n", "record.csv, line 4: 0.02 s is followed by 0.01 s"),
-        ("t (s)\n0\n0.01\n0.02\n", "record.csv: found 1 column"),
         ("t (s), a (N)\n0, 0\n0.01, 1\n0.02, 0\n", "record.csv: the values are a force (N)"),
         ("", "record.csv: the file is empty"),
     ],

@@ -10,10 +10,10 @@ import mbconstrained as mb
 from tests.oracles.normal_forms import exists_by_criterion, exists_by_definition, random_system, rank, unimodular
 
 #: Random systems with planted parts; each seed is one.
-SYSTEMS = 1000
+SYSTEMS = 400
 
 #: Of these so many are compared in the default run; the others are long.
-SOME = 200
+SOME = 80
 
 
 def nilpotent(*degrees):

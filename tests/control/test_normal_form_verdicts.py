@@ -164,23 +164,6 @@ def test_jordan_blocks_without_inputs(blocks, truth):
             assert verdict(*change(random, A.astype(float), none), clear=False) == truth
 
 
-@pytest.mark.parametrize("blocks, truth", BLOCKS)
-@pytest.mark.parametrize("p", [1, 2])
-def test_jordan_blocks_that_no_input_reaches(blocks, truth, p):
-    """Beside a controllable part of 2 p states, and coupled to it, they decide alone."""
-    random = np.random.default_rng(p)
-    size = sum(length for _, length in blocks)
-    A = np.zeros((2 * p + size, 2 * p + size), dtype=int)
-    A[: 2 * p, : 2 * p] = np.eye(2 * p, k=p) + np.diag(random.integers(-2, 3, 2 * p))
-    A[2 * p :, 2 * p :], A[: 2 * p, 2 * p :] = jordan(*blocks), random.integers(-2, 3, (2 * p, size))
-    B = np.eye(2 * p + size, p, k=-p, dtype=int)
-    assert exists_by_definition(A, B) == truth
-    assert verdict(A, B) == truth
-    for change in CHANGES:
-        for _ in range(3):
-            assert verdict(*change(random, A.astype(float), B.astype(float)), clear=False) == truth
-
-
 @given(st.integers(0, 2**32 - 1), st.integers(1, 4), st.data())
 def test_verdicts_are_exact_and_survive_similarity(seed, half, data):
     p = data.draw(st.integers(0, half))

@@ -1,4 +1,4 @@
-"""Exactly defective eigenvalues: exponents and coefficients of the Puiseux series against roots of polynomials with 400 digits."""
+"""Exactly defective eigenvalues: exponents and coefficients of the Puiseux series against roots of polynomials with 250 digits."""
 
 import mpmath
 import numpy as np
@@ -29,7 +29,7 @@ BASES = {
     "chains of two and one": polynomial(DOUBLE, ZERO, ZERO, (A * B, A + B, 1)),
     "free body": polynomial((1, 0, 1), (-1, 0, 0), (-1, 0, 0), (1, 0, 1)),
 }
-CASES = [(name, seed) for name in BASES for seed in range(7)]
+CASES = [(name, seed) for name in BASES for seed in (0, 1, 2, 6)]  # of M, C, K; 6 moves all masses
 
 
 def slope_of(name, seed):
@@ -68,13 +68,13 @@ def determinant(matrices):
 
 
 def roots_of_changed(base, slope):
-    """The eigenvalues for p + e with 400 digits."""
-    with mpmath.workdps(400):
+    """The eigenvalues for p + e with 250 digits."""
+    with mpmath.workdps(250):
         matrices = [
             [[mpmath.mpf(float(a)) + CHANGE * mpmath.mpf(float(b)) for a, b in zip(*rows)] for rows in zip(one, other)]
             for one, other in zip(base, slope)
         ]
-        return mpmath.polyroots(determinant(matrices), maxsteps=20000, extraprec=4000)
+        return mpmath.polyroots(determinant(matrices), maxsteps=20000, extraprec=1000)
 
 
 @pytest.mark.parametrize(("name", "seed"), CASES)
@@ -91,7 +91,7 @@ def test_exponents_and_coefficients(name, seed):
     assert all(one.is_exact for one in each.splittings.values())
     moving = [branch for branch in each.branches[0] if branch.coefficient]
     assert {one.mode for one in d.defective} == ({number} if any(branch.exponent < 1 for branch in moving) else set())
-    with mpmath.workdps(400):
+    with mpmath.workdps(250):
         center = mpmath.mpc(*(round(part) for part in (each.mode.eigenvalue.real, each.mode.eigenvalue.imag)))
         offsets = [root - center for root in roots_of_changed(base, slope)]
         left = [offset for offset in offsets if abs(offset) < 1e-10]

@@ -90,3 +90,12 @@ def test_an_unsymmetric_mass_matrix_is_reported_by_every_answer(skew):
     )
     for answer in answers:
         assert [notice.kind for notice in answer.notices].count("unsymmetric") == (skew == 0.5)
+
+
+@pytest.mark.parametrize("of", [["velocity"], {"velocity"}, 3, "velocty", None])
+def test_the_quantity_of_an_error_estimate_is_a_word(of):
+    motion = mb.MechanicalSystem(mass=[[1.0]], stiffness=[[1.0]], names=["a"]).solve(displacement=[1.0])
+    assert repr(motion) == "Motion(1 coordinate: a; 0 jumps and 0 impulses at t = 0; 0 events later)"
+    with pytest.raises(mb.InputError, match="of: found .*; expected one of displacement, velocity, acceleration, reaction"):
+        motion.error_estimate(1.0, of=of)
+    assert motion.error_estimate([0.5, 1.0], order=1) == motion.error_estimate([0.5, 1.0], of="velocity")

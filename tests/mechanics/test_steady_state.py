@@ -44,11 +44,11 @@ def test_fourier_coefficients_of_a_record_are_the_integrals(order):
 
 
 def test_a_periodic_record_repeats_itself():
-    """A record of three periods, repeated many times in time, comes to the sum of its harmonics."""
+    """A record that is repeated many times comes to the motion in closed form, whatever the number of harmonics."""
     T, samples = 2.0, np.array([[0.0, 1.0, -1.0, 0.0]])
     times = np.array([0.0, 0.5, 1.5, 2.0])
     system = mb.MechanicalSystem([[1.0]], [[1.5]], [[4.0]])
-    steady = system.steady_state(mb.sampled(times, samples), period=T, harmonics=400)
+    steady = system.steady_state(mb.sampled(times, samples), period=T, harmonics=3)
     many = np.concatenate([times[:-1] + k * T for k in range(20)] + [[20 * T]])
     repeated = mb.sampled(many, np.concatenate([samples[:, :-1]] * 20 + [samples[:, -1:]], axis=1))
     motion, t = system.solve(force=repeated), np.linspace(38.0, 39.9, 9)
@@ -81,7 +81,7 @@ def test_a_support_that_jumps_at_the_end_of_each_period():
         [mb.Constraint([1, 0], value=mb.sampled([0.0, 2.0], [[0.0, 1.0]]), names="base")],
         ["support", "mass"],
     )
-    steady = system.steady_state(period=2.0, harmonics=2000)
+    steady = system.steady_state(period=2.0, harmonics=1000)
     t = np.linspace(0.2, 1.8, 5)
     series = np.real(steady.displacement_amplitudes @ np.exp(2j * np.pi * np.outer(steady.frequencies_hz, t)))
     np.testing.assert_allclose(steady.displacement(t)[1], series[1], atol=2e-6)
@@ -111,19 +111,17 @@ def test_what_has_no_steady_state_is_refused():
         spring.steady_state(mb.sampled([0.0, 1.0], [[0.0, 1.0]]), period=0.5)
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(2))
 def test_free_bodies_under_a_record_have_a_bounded_cycle(seed):
     """A driveline that turns freely is somewhere: without a mean torque it oscillates about 0, and differences are those of its harmonics."""
     random = np.random.default_rng(seed)
     J, k, c = random.uniform(1, 3, 2), random.uniform(50, 500), random.uniform(1, 5)
     twist = np.array([[1.0, -1.0], [-1.0, 1.0]])
     record = mb.sampled([0, 0.1, 0.2, 0.3, 0.4], [[0, 1, 0, -1, 0], [0] * 5])
-    steady = mb.MechanicalSystem(np.diag(J), c * twist, k * twist).steady_state(record, period=0.4, harmonics=200)
+    steady = mb.MechanicalSystem(np.diag(J), c * twist, k * twist).steady_state(record, period=0.4, harmonics=60)
     times = np.linspace(0, 0.4, 41)
-    w = steady.angular_frequencies
-    F = (
-        8 / np.pi**2 * np.sin(np.pi * np.rint(w * 0.4 / (2 * np.pi)) / 2) / np.rint(w * 0.4 / (2 * np.pi)) ** 2
-    )  # of a triangular wave
+    order = np.arange(1, 61)
+    w, F = 2 * np.pi * order / 0.4, 8 / np.pi**2 * np.sin(np.pi * order / 2) / order**2  # of a triangular wave
     drive = F * np.exp(-0.5j * np.pi) / J[0] / (-(w**2) + (k + 1j * w * c) * (1 / J[0] + 1 / J[1]))
     twists = np.real(drive @ np.exp(1j * np.outer(w, times)))
     values = steady.displacement(times)

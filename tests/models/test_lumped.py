@@ -291,11 +291,6 @@ def test_sparse_assembly_has_the_same_equations():
     )
 
 
-def test_modes_of_a_large_damped_chain_satisfy_the_equations():
-    modes = long_chain(120).assemble().modes()
-    assert len(modes.eigenvalues) == 120 and modes.residuals.max() < 1e-13
-
-
 def test_rotors_have_no_sparse_matrices():
     model = LumpedModel()
     model.rotor("disc", 2.0), model.bearing("ground", "disc", stiffness=200.0)

@@ -215,3 +215,28 @@ def test_the_jump_after_the_derivative_of_an_impulse_does_not_depend_on_stiff_sp
     )
     jump = system.solve(force=mb.impulse([0.5, 0, 0], order=1)).jump
     assert np.allclose(jump, [[0.125] * 3, [-0.015625] * 3], rtol=1e-6, atol=0)
+
+
+def test_an_entry_beyond_the_range_is_told():
+    for make in (
+        lambda: mb.ElementMatrix([[1e200]], [1e200]).matrix,
+        lambda: mb.MechanicalSystem(mass=mb.ElementMatrix([[1e200]], [1e200])),
+        lambda: mb.PolynomialMatrix([mb.ElementMatrix([[1e200]], [1e200])]),
+    ):
+        with pytest.raises(mb.InputError, match="an entry beyond the range of float64"):
+            make()
+
+
+@pytest.mark.parametrize(
+    ("constants", "spread"), [([], 1.0), ([0.0], 1.0), ([2.0, 0.0, -8.0], 4.0), ([1e-300, 1e300], np.finfo(float).max)]
+)
+def test_the_spread_is_a_finite_number(constants, spread):
+    assert mb.ElementMatrix(np.ones((len(constants), 1)), constants).spread == spread
+
+
+def test_a_polynomial_matrix_takes_elements_and_keeps_their_digits():
+    springs = mb.ElementMatrix([[1, 0], [-1, 1]], [1.0, 1e16])
+    A = mb.PolynomialMatrix([springs, np.zeros((2, 2)), np.eye(2)])
+    assert A.exact_coefficients[0][0, 0] == 10**16 + 1
+    slow = min(abs(zero.value) for zero in A.structure().finite_zeros)
+    assert slow == pytest.approx(0.5**0.5, rel=1e-14)

@@ -61,12 +61,3 @@ def test_what_happens_at_the_start_does_not_depend_on_units(units):
     assert len(other.constraint_impulses) == len(SI.constraint_impulses)
     for mine, others in zip(SI.constraint_impulses, other.constraint_impulses):
         assert np.allclose(others * force * time, mine, rtol=1e-9, atol=0)
-
-
-@pytest.mark.parametrize("units", SYSTEMS.values(), ids=SYSTEMS)
-def test_zeros_do_not_depend_on_units(units):
-    time = units[2]
-    mine = [(zero.value, zero.multiplicity) for zero in SI.pairs.structure.finite_zeros]
-    others = [(zero.value / time, zero.multiplicity) for zero in machine(*units).pairs.structure.finite_zeros]
-    assert [m for _, m in mine] == [m for _, m in others]
-    assert np.allclose([value for value, _ in others], [value for value, _ in mine], rtol=1e-9, atol=0)

@@ -37,18 +37,18 @@ def numbers(matrix) -> np.ndarray:
 
 
 @pytest.mark.parametrize("structure", STRUCTURES)
-@pytest.mark.parametrize("t", [0, 0.3, sympy.Rational(17, 10)])
-def test_each_is_the_exponential(structure, t):
+def test_each_is_the_exponential(structure):
     blocks = [sympy.diag(*[jordan_block(zero, size) for size in sizes]) for zero, sizes in structure]
     zeros, longest = [zero for zero, _ in structure], [max(sizes) for _, sizes in structure]
-    J = sympy.diag(*blocks)
+    J, t = sympy.diag(*blocks), sympy.Symbol("t")
     forms = (
         sympy.diag(*[exponential_of_jordan_block(zero, size, t) for zero, sizes in structure for size in sizes]),
         exponential_by_interpolation(J, dict(zip(zeros, longest)), t),
         exponential_by_blocks(blocks, zeros, longest, t),
     )
     for form in forms:
-        np.testing.assert_allclose(numbers(form), known(numbers(J), float(t)), rtol=0, atol=1e-12)
+        for time in (sympy.S.Zero, sympy.Rational(17, 10)):
+            np.testing.assert_allclose(numbers(form.xreplace({t: time})), known(numbers(J), float(time)), rtol=0, atol=1e-12)
 
 
 @pytest.mark.parametrize(("a", "b", "size"), [(-1.0, 2.0, 1), (-1.0, 2.0, 3), (0.5, 1.0, 4)])

@@ -191,7 +191,7 @@ def test_the_estimate_is_near_the_error(family):
 @pytest.mark.long
 @pytest.mark.parametrize("family", FAMILIES, ids=lambda family: family.__name__)
 def test_the_estimate_is_near_the_error_of_all_seeds(family):
-    ratios = np.array([ratio_of_estimate(family, seed) for seed in range(1, 9)])
+    ratios = np.array([ratio_of_estimate(family, seed) for seed in range(1, 5)])
     assert (ratios >= 0.1).all()
     assert np.count_nonzero(ratios > 1e3) == 0
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-import pytest
 from hypothesis import given
 
 from tests.properties.problems import Problem, problems, scale_of
@@ -39,14 +38,6 @@ def test_a_coordinate_that_keeps_its_value_is_not_said_to_jump(problem: Problem)
 def test_motion_is_its_taylor_series(problem: Problem):
     known = np.array([problem.exact(t) for t in TIMES]).T
     assert np.abs(problem.answer(TIMES) - known).max() <= BAR * scale_of(known)
-
-
-@pytest.mark.long
-@given(problems())
-def test_derivatives_at_zero_are_the_laurent_coefficients(problem: Problem):
-    for order in range(problem.sample.degree + 2):
-        known = np.array(problem.exact.derivatives[order], float)
-        assert np.abs(problem.answer.derivative(order)(0.0) - known).max() <= BAR * scale_of(known, problem.start)
 
 
 @given(problems())

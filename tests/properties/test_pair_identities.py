@@ -46,18 +46,6 @@ def test_laurent_coefficients_come_from_the_pairs(sample: Sample):
 
 
 @given(samples())
-def test_laurent_coefficients_convolve_with_a_to_the_identity(sample: Sample):
-    """sum_j H_(k-j) A_j = sum_j A_j H_(k-j) = I for k = 0, and 0 for every other k."""
-    A, q, r = sample.coefficients, sample.degree, sample.size
-    for k in range(-q - 1, sample.highest_impulse + q + 1):
-        identity = np.eye(r) * (k == 0)
-        size = 1 + sum(np.abs(sample.H(k - j)).max() * np.abs(A[j]).max() for j in range(q + 1))
-        left = sum(sample.H(k - j) @ A[j] for j in range(q + 1))
-        right = sum(A[j] @ sample.H(k - j) for j in range(q + 1))
-        assert max(np.abs(left - identity).max(), np.abs(right - identity).max()) <= BAR * size
-
-
-@given(samples())
 def test_finite_pair_annihilates_a(sample: Sample):
     """sum A_j C J^j = 0 and sum J^j B A_j = 0."""
     C, J, B = sample.pairs.finite.C, sample.pairs.finite.J, sample.pairs.finite.B
@@ -88,24 +76,6 @@ def test_projector_on_consistent_values_is_a_projector_of_rank_n(sample: Sample)
     toeplitz = np.block([[sample.H(c - k) for c in range(q)] for k in range(q)])
     size = max(1.0, np.abs(toeplitz).max() * np.abs(sample.coefficients).max())
     assert np.abs(P + toeplitz @ lower_values(sample) - identity).max() <= BAR * size
-
-
-@given(samples(least_degree=1))
-def test_rows_of_the_impulse_equation(sample: Sample):
-    """[H_(p-q+1) ... H_p] M1 = -[H_(p+1) ... H_(p+q)] M0 for p >= 0, Eq. (29)."""
-    q = sample.degree
-    for p in range(sample.highest_impulse + q):
-        left = np.hstack([sample.H(p - q + 1 + k) for k in range(q)]) @ upper_values(sample)
-        right = np.hstack([sample.H(p + 1 + k) for k in range(q)]) @ lower_values(sample)
-        assert np.abs(left + right).max() <= BAR * max(1.0, np.abs(left).max(), np.abs(right).max())
-
-
-@given(samples(least_degree=1))
-def test_number_of_independent_impulses_is_the_sum_of_the_infinite_zero_orders(sample: Sample):
-    q, highest = sample.degree, sample.highest_impulse
-    rows = [np.hstack([sample.H(p + 1 + k) for k in range(q)]) @ lower_values(sample) for p in range(highest)]
-    rank = np.linalg.matrix_rank(np.vstack(rows), tol=1e-6 * np.abs(rows).max()) if rows else 0
-    assert rank == sum(max(0, -order) for order in sample.orders_at_infinity)
 
 
 @given(samples(least_degree=1))

@@ -1,4 +1,4 @@
-"""Degrees and multiplicities of random A(s) with known zeros, against determinants and minors in rational arithmetic."""
+"""Degrees, multiplicities and elementary divisors of random A(s) with known zeros, against rational arithmetic."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from hypothesis import given
 
 import mbconstrained as mb
 from tests.oracles import exact
+from tests.oracles.smith import partial_multiplicities
 from tests.properties.matrices import Sample, samples
 
 
@@ -43,15 +44,6 @@ def test_zeros_have_their_values_and_multiplicities(sample: Sample):
         assert (nearest.value == 0) == (value == 0)
 
 
-@given(samples(over_declared=False))
-def test_dual_exchanges_zero_and_infinity(sample: Sample):
-    """The zero at 0 of s^q A(1/s) has the multiplicity of the infinite elementary divisors of A, and the other way round."""
-    structure, dual = sample.matrix.structure(), sample.matrix.dual.structure()
-    assert _at_origin(dual) == sum(structure.infinite_divisors)
-    assert sum(dual.infinite_divisors) == _at_origin(structure) == sample.zeros[0]
-    assert np.array_equal(sample.matrix.dual.dual.coefficients, sample.coefficients)
-
-
 @given(samples())
 def test_pairs_have_the_sizes_of_the_theorem(sample: Sample):
     """J_inf has the size sum of |q_i| + 1 over q_i <= 0, is strictly upper triangular, and J_inf^(qh+1) = 0."""
@@ -74,5 +66,44 @@ def test_declared_degree_only_adds_infinite_divisors(sample: Sample):
     assert sorted(z.count for z in raised.finite_zeros) == sorted(z.count for z in structure.finite_zeros)
 
 
-def _at_origin(structure) -> int:
-    return sum(zero.multiplicity for zero in structure.finite_zeros if zero.value == 0)
+# Elementary divisors.
+
+
+def divisors(structure) -> list[tuple[complex, tuple[int, ...]]]:
+    return [(zero.value, zero.partial_multiplicities) for zero in structure.finite_zeros]
+
+
+@given(samples())
+def test_partial_multiplicities_are_those_of_the_exact_smith_form(sample: Sample):
+    zeros = sample.matrix.structure().finite_zeros
+    for value, multiplicity in sample.zeros.items():
+        if value.imag >= 0:
+            nearest = min(zeros, key=lambda zero: abs(zero.value - value))
+            assert list(nearest.partial_multiplicities) == partial_multiplicities(sample.exact, value, multiplicity)
+            assert nearest.clear
+
+
+@given(samples(over_declared=False))
+def test_the_dual_has_at_zero_what_the_matrix_has_at_infinity(sample: Sample):
+    """And the other way round, degree by degree."""
+    structure, dual = sample.matrix.structure(), sample.matrix.dual.structure()
+    for one, other in ((structure, dual), (dual, structure)):
+        at_zero = [degree for value, degrees in divisors(one) if value == 0 for degree in degrees]
+        assert at_zero == [degree for degree in other.infinite_divisors if degree]
+    assert np.array_equal(sample.matrix.dual.dual.coefficients, sample.coefficients)
+
+
+@given(samples())
+def test_the_transpose_has_the_same_divisors(sample: Sample):
+    transposed = mb.PolynomialMatrix(sample.coefficients.transpose(0, 2, 1)).structure()
+    for (value, degrees), (other, others) in zip(divisors(sample.matrix.structure()), divisors(transposed), strict=True):
+        assert abs(value - other) <= 1e-4 * abs(value)
+        assert degrees == others
+
+
+@given(samples(largest_size=2))
+def test_a_twin_doubles_every_divisor(sample: Sample):
+    """diag(A, A)."""
+    twins = mb.PolynomialMatrix([np.kron(np.eye(2), matrix) for matrix in sample.coefficients]).structure()
+    for (_, degrees), (_, doubled) in zip(divisors(sample.matrix.structure()), divisors(twins), strict=True):
+        assert doubled == tuple(sorted(2 * degrees))

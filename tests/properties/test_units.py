@@ -16,7 +16,6 @@ from tests.properties.problems import Problem, problems, scale_of
 BAR = 1e-7
 TIMES = np.array([0.0, 0.25, 1.0])
 
-powers_of_two = st.integers(-30, 30).map(lambda n: 2.0**n)
 reals = st.floats(-9, 9).map(lambda n: 10.0**n)
 
 
@@ -53,12 +52,6 @@ def check(problem: Problem, time: float, columns, rows) -> None:
         assert np.abs(np.array(columns) * others * time ** (order + 1) - mine).max() <= BAR * scale_of(mine)
     jump = np.array(columns) * y.jump * (time ** -np.arange(len(y.jump), dtype=float))[:, None]
     assert np.abs(jump - x.jump).max(initial=0.0) <= BAR * scale_of(x.jump)
-
-
-@given(problems(with_impulses=False), powers_of_two, st.data())
-def test_powers_of_two_change_nothing(problem: Problem, time: float, data):
-    factors = st.lists(powers_of_two, min_size=problem.sample.size, max_size=problem.sample.size)
-    check(problem, time, data.draw(factors), data.draw(factors))
 
 
 @given(problems(with_impulses=False), reals, st.data())

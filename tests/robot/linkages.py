@@ -86,9 +86,19 @@ class Linkage:
         return Reference(self.text, **(options | {"gravity": (0, 0, -gravity) if np.isscalar(gravity) else gravity}))
 
 
-def robot_of(text: str, **options):
-    """Text and options, to be followed by the guess."""
-    return text, options
+def linkage(text: str, guess: dict, **options) -> Linkage:
+    """A linkage with the options of its robot."""
+    return Linkage(text, options, guess)
+
+
+def start(p, names: str) -> dict:
+    """The guess by joint."""
+    return dict(zip(names.split(), p["guess"]))
+
+
+def spring(p, name="j1") -> dict:
+    """The spring of a joint with its rest."""
+    return {"joint_stiffness": {name: p["stiffness"]}, "joint_rest": {name: p["rest"]}}
 
 
 # ---------------------------------------------------------------- the linkages of the table: robot, guess, what to hold
@@ -106,7 +116,7 @@ def double_pendulum(p, springs=(), kind="revolute", **options):
     )
     if "rest" in p:
         options |= {"joint_stiffness": dict(zip(("j1", "j2"), p["stiffness"])), "joint_rest": dict(zip(("j1", "j2"), p["rest"]))}
-    return Linkage(*robot_of(model, springs=springs, gravity=PLANE, **options), dict(zip(("j1", "j2"), p["guess"])))
+    return linkage(model, start(p, "j1 j2"), springs=springs, gravity=PLANE, **options)
 
 
 def four_bar_text(p, kind="revolute", *more: str) -> str:
@@ -133,10 +143,10 @@ def four_bar(p, kind="revolute", loops=None, **options):
     if "damping" in p:
         options["joint_damping"] = dict(zip(("j1", "j2", "j3"), p["damping"]))
     loops = [four_bar_loop(p)] if loops is None else loops
-    return Linkage(*robot_of(four_bar_text(p, kind), loops=loops, **options), dict(zip(("j1", "j2", "j3"), p["guess"])))
+    return linkage(four_bar_text(p, kind), start(p, "j1 j2 j3"), loops=loops, **options)
 
 
-def four_bar_with_pin(p, kind="rigid", turned=0.0):
+def four_bar_with_pin(p, turned=0.0):
     """The pin hangs at the tip of the coupler by a real joint j4 and is fastened to the rocker."""
     pin = link("pin", p["pin_mass"], (p["pin_offset"], 0, 0), (1e-3, 1e-3, p["pin_inertia"]))
     j4 = joint("j4", "coupler", "pin", at=(p["lengths"][1], 0, 0))
@@ -145,20 +155,19 @@ def four_bar_with_pin(p, kind="rigid", turned=0.0):
         (0, 0, 0),
         "rocker",
         (p["lengths"][2], 0, 0),
-        kind=kind,
+        kind="rigid",
         rotation1=(0, 0, turned),
         rotation2=(0, 0, turned),
         name="closure",
     )
-    robot = robot_of(
+    j1, j2, j3 = p["guess"]
+    return linkage(
         four_bar_text(p, "revolute", pin, j4),
+        {"j1": j1, "j2": j2, "j3": j3, "j4": j3 - j1 - j2},
         loops=[loop],
         gravity=PLANE,
-        joint_stiffness={"j1": p["stiffness"]},
-        joint_rest={"j1": p["rest"]},
+        **spring(p),
     )
-    j1, j2, j3 = p["guess"]
-    return Linkage(*robot, {"j1": j1, "j2": j2, "j3": j3, "j4": j3 - j1 - j2})
 
 
 def hanging_four_bar(p, kind="revolute", spin=1e-3):
@@ -167,7 +176,7 @@ def hanging_four_bar(p, kind="revolute", spin=1e-3):
     parents, places = ("frame", *names[:2]), (0, *lengths[:2])
     joints = [joint(f"j{i + 1}", parents[i], names[i], kind, at=(places[i], 0, 0)) for i in range(3)]
     loop = mb.Loop("third", (lengths[2], 0, 0), "ground", (*p["end"], 0), name="hook")
-    return Linkage(*robot_of(urdf(GROUND, *bars, *joints), loops=[loop], gravity=PLANE), dict(zip(("j1", "j2", "j3"), p["guess"])))
+    return linkage(urdf(GROUND, *bars, *joints), start(p, "j1 j2 j3"), loops=[loop], gravity=PLANE)
 
 
 def free_parallelogram(crank_mass, mass, length, width, spin=1e-3):
@@ -189,7 +198,7 @@ def free_parallelogram(crank_mass, mass, length, width, spin=1e-3):
         mb.Loop("left", (length, 0, 0), "coupler", (0, 0, 0), name="left pin"),
         mb.Loop("right", (length, 0, 0), "coupler", (width, 0, 0), name="right pin"),
     ]
-    return Linkage(*robot_of(model, loops=loops, gravity=PLANE), {"j1": -1.5, "j2": -1.5, "x": 0.02, "y": -length})
+    return linkage(model, {"j1": -1.5, "j2": -1.5, "x": 0.02, "y": -length}, loops=loops, gravity=PLANE)
 
 
 def slider_crank(p, **options):
@@ -204,10 +213,7 @@ def slider_crank(p, **options):
         joint("slide", "frame", "slider", "prismatic", at=(0, p["height"], 0), axis=(1, 0, 0), damping=p["damping"]),
     )
     loop = mb.Loop("rod", (rod, 0, 0), "slider", (0, 0, 0), name="wrist")
-    robot = robot_of(
-        model, loops=[loop], gravity=PLANE, joint_stiffness={"slide": p["stiffness"]}, joint_rest={"slide": p["rest"]}, **options
-    )
-    return Linkage(*robot, dict(zip(("j1", "j2", "slide"), p["guess"])))
+    return linkage(model, start(p, "j1 j2 slide"), loops=[loop], gravity=PLANE, **spring(p, "slide"), **options)
 
 
 def six_bar(p):
@@ -225,9 +231,8 @@ def six_bar(p):
         mb.Loop("coupler", (coupler, 0, 0), "rocker", (rocker, 0, 0), name="first"),
         mb.Loop("rod", (rod, 0, 0), "arm", (arm, 0, 0), name="second"),
     ]
-    stiffness, rest = (dict(zip(("j1", "j5"), p["stiffness"])), dict(zip(("j1", "j5"), p["rest"])))
-    robot = robot_of(urdf(GROUND, *bars, *joints), loops=loops, gravity=PLANE, joint_stiffness=stiffness, joint_rest=rest)
-    return Linkage(*robot, {f"j{i + 1}": x for i, x in enumerate(p["guess"])})
+    springs = {f"joint_{key}": dict(zip(("j1", "j5"), p[key])) for key in ("stiffness", "rest")}
+    return linkage(urdf(GROUND, *bars, *joints), start(p, "j1 j2 j3 j4 j5"), loops=loops, gravity=PLANE, **springs)
 
 
 def strut(p):
@@ -259,8 +264,7 @@ def spatial_loop(p):
         joint("j4", "frame", "rocker", at=p["base"], axis=(1, 0, 0)),
     )
     loop = mb.Loop("rod", (rod, 0, 0), "rocker", (0, rocker, 0), name="ball")
-    robot = robot_of(model, loops=[loop], joint_stiffness={"j1": p["stiffness"]}, joint_rest={"j1": p["rest"]})
-    return Linkage(*robot, dict(zip(("j1", "u1", "u2", "j4"), p["guess"])))
+    return linkage(model, start(p, "j1 u1 u2 j4"), loops=[loop], **spring(p))
 
 
 def spherical(p, half_turn=False):
@@ -286,8 +290,7 @@ def spherical(p, half_turn=False):
         rotation2=(end, 0, np.pi * half_turn),
         name="last",
     )
-    robot = robot_of(model, loops=[loop], joint_stiffness={"j1": p["stiffness"]}, joint_rest={"j1": p["rest"]})
-    return Linkage(*robot, dict(zip(("j1", "j2", "j3"), p["guess"])))
+    return linkage(model, start(p, "j1 j2 j3"), loops=[loop], **spring(p))
 
 
 def free_pendulum(p):
@@ -296,8 +299,8 @@ def free_pendulum(p):
         bar("panel", p["mass"], p["length"], p["spin"]),
         joint("j1", "hull", "panel", at=p["hinge"], axis=(0, 1, 0)),
     )
-    robot = robot_of(model, base="free", gravity=(0, 0, 0), joint_stiffness={"j1": p["stiffness"]}, joint_rest={"j1": p["angle"]})
-    return Linkage(*robot, {"base": (0.3, -0.2, 1.0, 0.4, -0.7, 2.1), "j1": p["angle"]})
+    guess, springs = {"base": (0.3, -0.2, 1.0, 0.4, -0.7, 2.1), "j1": p["angle"]}, spring({**p, "rest": p["angle"]})
+    return linkage(model, guess, base="free", gravity=(0, 0, 0), **springs)
 
 
 def platform(p):
@@ -307,7 +310,7 @@ def platform(p):
         )
         for i, s in enumerate(p["springs"])
     ]
-    return Linkage(*robot_of(urdf(link("body", p["mass"], (0, 0, 0), p["inertia"])), base="free", springs=springs), {})
+    return linkage(urdf(link("body", p["mass"], (0, 0, 0), p["inertia"])), {}, base="free", springs=springs)
 
 
 def bushing(p):
@@ -320,7 +323,7 @@ def bushing(p):
         turning_stiffness=p["turning_stiffness"],
         name="mount",
     )
-    return Linkage(*robot_of(urdf(link("body", p["mass"], (0, 0, 0), p["inertia"])), base="free", springs=[mount]), {})
+    return linkage(urdf(link("body", p["mass"], (0, 0, 0), p["inertia"])), {}, base="free", springs=[mount])
 
 
 def string(p):
@@ -337,7 +340,7 @@ def string(p):
         mb.BodySpring("bead", (0, 0, 0), "ground", (x, 0, 0), stiffness=p["stiffness"], rest_length=p["rest_length"], name=name)
         for name, x in (("left", -p["half_span"]), ("right", p["half_span"]))
     ]
-    return Linkage(*robot_of(model, springs=springs, gravity=p["gravity"]), dict(zip("xyz", p["guess"])))
+    return linkage(model, start(p, "x y z"), springs=springs, gravity=p["gravity"])
 
 
 def flexible_arm(p):

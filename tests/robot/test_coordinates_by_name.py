@@ -1,7 +1,6 @@
 """Joints with several degrees of freedom by the names of their coordinates, as messages print them; points as channels."""
 
 import numpy as np
-import pinocchio
 import pinocchio as pin
 import pytest
 
@@ -53,47 +52,28 @@ def test_the_table_of_a_posture_has_the_loads_of_joints_with_several(tmp_path):
     assert f"z {20 * 9.81:.6g} N, ry {-20 * 9.81 * 0.1:.6g} N m" in text
 
 
-def test_a_state_space_of_an_arm_goes_to_control_and_back():
-    robot, data = mb.read_robot("robots/seven_joint_arm")
-    arm = robot.linearize(robot.equilibrium(**data.posture))
-    tip = mb.PointMotion("tool", (0, 0, 0.08), along=(0, 0, 1))
-    inputs, outputs = {"force": tip, "torque": "j2"}, {"tip": tip}
-    space = arm.to_state_space(inputs, outputs)
-    assert (space.inputs, space.outputs) == (("force on force", "force on torque"), ("tip",))
-    other = space.to_control()
-    w = np.array([1.0, 20.0, 200.0, 2000.0])
-    H = arm.frequency_response(w / (2 * np.pi), inputs, outputs).values
-    there = np.array([other(1j * rate) for rate in w]).transpose(1, 2, 0)
-    back = mb.StateSpace(other.A, other.B, other.C, other.D)
-    again = np.array([back(1j * rate) for rate in w]).transpose(1, 2, 0)
-    for values in (there, again):
-        assert np.abs(values - H).max(axis=2) == pytest.approx(np.zeros((1, 2)), abs=1e-11 * np.abs(H).max())
-    poles = np.sort_complex(np.linalg.eigvals(other.A))
-    own = arm.modes().eigenvalues
-    own = np.sort_complex(np.concatenate([own, own[own.imag != 0].conj()]))
-    assert poles == pytest.approx(own, rel=1e-9)
-
-
-@pytest.mark.parametrize("level", ["position", "velocity", "acceleration"])
-def test_a_state_space_of_a_robot_with_loops_goes_to_control_and_back(level):
-    """What the rows of four feet leave is eliminated: two states for each motion, and those of the drift of the rows."""
+@pytest.mark.parametrize(
+    ("name", "level", "states"),
+    [("seven_joint_arm", "position", 28)]
+    + [("quadruped", level, 12 + 12 * drift) for drift, level in enumerate(("position", "velocity", "acceleration"))],
+)
+def test_a_state_space_of_a_robot_goes_to_control_and_back(name, level, states):
+    """Seven joints with motors; a robot on four feet, two states for each motion that their rows leave, and those of their drift."""
     control = pytest.importorskip("control")
-    robot, data = mb.read_robot("robots/quadruped")
+    robot, data = mb.read_robot(f"robots/{name}")
     system = robot.linearize(robot.equilibrium(**data.posture), level=level)
-    nose = mb.PointMotion("trunk", (0.2, 0.0, 0.0), along=(0, 0, 1))
-    inputs, outputs = {"push": nose, "knee": "front left knee"}, {"rise": nose, "turn": mb.PointMotion("trunk", turn=True)}
+    body = robot.bodies[-1]
+    point = mb.PointMotion(body, (0.2, 0.0, 0.08), along=(0, 0, 1))
+    inputs, outputs = {"push": point, "knee": robot.joints[-1]}, {"rise": point, "turn": mb.PointMotion(body, turn=True)}
     other = system.to_state_space(inputs, outputs).to_control()
     assert isinstance(other, control.StateSpace) and other.input_labels == ["force on push", "force on knee"]
-    drift = 12 * ("position", "velocity", "acceleration").index(level)
-    assert other.nstates == 2 * (18 - 12) + drift and len(system.rows) == 12
+    assert other.nstates == states
     w = np.array([1.0, 20.0, 200.0])
     H = system.frequency_response(w / (2 * np.pi), inputs, outputs).values
-    back = mb.StateSpace.from_control(other)
-    for space in (other, back):
+    for space in (other, mb.StateSpace.from_control(other)):
         values = np.array([space(1j * rate) for rate in w]).transpose(1, 2, 0)
-        assert values == pytest.approx(H, rel=1e-9, abs=1e-12 * np.abs(H).max())
-    poles = np.linalg.eigvals(other.A)
-    own = system.modes().eigenvalues
+        assert values == pytest.approx(H, rel=1e-9, abs=1e-11 * np.abs(H).max())
+    poles, own = np.linalg.eigvals(other.A), system.modes().eigenvalues
     own = own[np.abs(own) > 1e-6 * np.abs(own).max()]
     assert np.abs(own[:, None] - poles).min(axis=1) == pytest.approx(np.zeros(len(own)), abs=1e-7 * np.abs(own).max())
 
@@ -140,31 +120,29 @@ def test_springs_that_carry_a_load_have_the_stiffness_of_their_potential(kind):
 
 def swinging(joint, name="j"):
     """A rod on one joint, as a pinocchio model."""
-    model = pinocchio.Model()
-    number = model.addJoint(0, joint, pinocchio.SE3.Identity(), name)
-    model.appendBodyToJoint(
-        number, pinocchio.Inertia(1.0, np.array([0, 0, -0.5]), np.diag([0.01, 0.02, 0.03])), pinocchio.SE3.Identity()
-    )
-    model.addBodyFrame("rod", number, pinocchio.SE3.Identity(), 0)
+    model = pin.Model()
+    number = model.addJoint(0, joint, pin.SE3.Identity(), name)
+    model.appendBodyToJoint(number, pin.Inertia(1.0, np.array([0, 0, -0.5]), np.diag([0.01, 0.02, 0.03])), pin.SE3.Identity())
+    model.addBodyFrame("rod", number, pin.SE3.Identity(), 0)
     return model
 
 
 @pytest.mark.parametrize(
     ("joint", "texts"),
     [
-        (pinocchio.JointModelRY(), ["0 rad"]),
-        (pinocchio.JointModelPX(), ["0 m"]),
-        (pinocchio.JointModelSpherical(), ["roll, pitch, yaw (0, 0, 0) rad"]),
-        (pinocchio.JointModelTranslation(), ["(0, 0, 0) m"]),
-        (pinocchio.JointModelPlanar(), ["(0, 0) m", "0 rad"]),
-        (pinocchio.JointModelFreeFlyer(), ["(0, 0, 0) m", "roll, pitch, yaw (0, 0, 0) rad"]),
+        (pin.JointModelRY(), ["0 rad"]),
+        (pin.JointModelPX(), ["0 m"]),
+        (pin.JointModelSpherical(), ["roll, pitch, yaw (0, 0, 0) rad"]),
+        (pin.JointModelTranslation(), ["(0, 0, 0) m"]),
+        (pin.JointModelPlanar(), ["(0, 0) m", "0 rad"]),
+        (pin.JointModelFreeFlyer(), ["(0, 0, 0) m", "roll, pitch, yaw (0, 0, 0) rad"]),
     ],
 )
 def test_places_are_written_by_their_units(joint, texts):
     robot = mb.Robot(swinging(joint))
     units = dict(zip(robot.coordinates, robot.units))
     (name,) = robot.tangent.joints
-    value = robot.tangent.values(pinocchio.neutral(robot.model))[name]
+    value = robot.tangent.values(pin.neutral(robot.model))[name]
     text = _place(value, [units[one] for one in robot.tangent.coordinates_of(name)])
     assert all(one in text for one in texts), text
 
@@ -177,7 +155,7 @@ def test_a_quarter_turn_of_a_ball_is_its_yaw():
 @pytest.mark.parametrize("limits", [None, (-np.inf, np.inf), (-np.inf, 1.0), (-1.0, np.inf)])
 def test_joints_without_limits_are_not_beyond_them(limits):
     """Pinocchio has the largest float64 number where there is no limit."""
-    model = swinging(pinocchio.JointModelRY())
+    model = swinging(pin.JointModelRY())
     if limits:
         model.lowerPositionLimit[:], model.upperPositionLimit[:] = limits
     robot = mb.Robot(model)

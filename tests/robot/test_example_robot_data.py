@@ -39,7 +39,7 @@ def test_talos_stands(talos):
     _, posture, system, reference, q = talos
     assert system.size == 38 and len(system.rows) == 12
     assert np.abs(pin.difference(reference.model, q, posture.configuration)).max() < 1e-12
-    f = reference.applied(q) + reference.rows(q).T @ reference.multipliers(q, posture.reactions)
+    f = reference.applied(q) + reference.rows(q).T @ reference.multipliers(q, posture.ground_reactions)
     for name, torque in posture.torques.items():
         f[reference.coordinates.index(name)] += torque
     weight = -9.81 * sum(inertia.mass for inertia in reference.model.inertias)
@@ -55,7 +55,7 @@ def test_talos_stiffness_is_the_derivative_of_all_forces(talos):
     N = null_space(reference.rows(q)[:, places])
     same = allowed(system)
     assert same.shape == N.shape == (38, 26) and np.abs(same - N @ (N.T @ same)).max() < 1e-9
-    K = reference.stiffness(q, reference.multipliers(q, posture.reactions))[np.ix_(places, places)]
+    K = reference.stiffness(q, reference.multipliers(q, posture.ground_reactions))[np.ix_(places, places)]
     expected, actual = N.T @ K @ N, N.T @ system.stiffness @ N
     assert np.abs(actual - expected).max() <= 1e-9 * np.abs(expected).max()
     assert np.abs(actual - actual.T).max() <= 1e-10 * np.abs(actual).max()
@@ -115,35 +115,6 @@ def test_a_head_that_is_a_point_on_three_axes_is_trusted():
     error = np.abs(motion.displacement(times) - known).max() / np.abs(known).max()
     assert error <= max(motion.error_estimate(times), 1e-11) <= 1e-6
     assert not [notice.text for notice in motion.notices if notice.doubtful]
-
-
-ARMS = {
-    "panda": ("panda_description/urdf/panda.urdf", 9),
-    "ur5": ("ur_description/urdf/ur5_robot.urdf", 6),
-    "talos arm": ("talos_data/robots/talos_left_arm.urdf", 7),
-}
-
-
-@pytest.mark.parametrize("arm", ARMS)
-def test_arms_with_fixed_joints(arm):
-    path, size = ARMS[arm]
-    text = example_robot_data.file(path).read_text()
-    text = re.sub(r"<mimic[^>]*(/>|>\s*</mimic>)", "", text)  # of these pinocchio's derivatives know nothing
-    robot, reference = mb.Robot(text), Reference(text)
-    assert len(robot.joints) == size
-    rng = np.random.default_rng(3)
-    lower, upper = np.maximum(reference.model.lowerPositionLimit, -2), np.minimum(reference.model.upperPositionLimit, 2)
-    q = lower + (upper - lower) * rng.uniform(0.2, 0.8, len(lower))
-    guess = reference.angles(q)
-    posture = robot.equilibrium(guess, hold="all")
-    system = robot.linearize(posture)
-    places = order(robot, reference)
-    expected = reference.stiffness(q, np.zeros(0))[np.ix_(places, places)]
-    assert np.abs(system.stiffness - expected).max() <= 1e-9 * np.abs(expected).max()
-    assert np.abs(system.mass - reference.mass(q)[np.ix_(places, places)]).max() <= 1e-12 * np.abs(system.mass).max()
-    assert [posture.torques[name] for name in robot.coordinates] == pytest.approx(
-        -reference.applied(q)[places], rel=1e-10, abs=1e-10
-    )
 
 
 #: Of one link, without moving joints on a fixed base, or no URDF at all.

@@ -5,7 +5,7 @@ import pytest
 
 import mbconstrained as mb
 from tests.robot import linkages
-from tests.robot.linkages import GROUND, PLANE, TABLE, allowed, bar, given, joint, known, known_frequencies, linearized, link, urdf
+from tests.robot.linkages import GROUND, PLANE, TABLE, allowed, given, joint, known, known_frequencies, linearized, link, urdf
 
 G = 9.81
 
@@ -90,35 +90,6 @@ def test_reactions_are_the_gradients_of_the_potential(name):
         assert near(turn @ reaction[:2], force) and np.abs(reaction[2:]).max() < 1e-9
 
 
-def test_torques_that_hold_an_arm():
-    # two bars of 1 kg and 1 m, stretched out level: m g (1/2 + 3/2) and m g / 2
-    model = urdf(
-        GROUND, bar("upper", 1, 1), bar("lower", 1, 1), joint("j1", "frame", "upper"), joint("j2", "upper", "lower", at=(1, 0, 0))
-    )
-    posture = mb.Robot(model, gravity=PLANE).equilibrium(hold="all")
-    assert posture.torques == pytest.approx({"j1": 2 * G, "j2": G / 2}, rel=1e-12)
-    one = mb.Robot(model, gravity=PLANE).equilibrium({"j2": -1.5}, hold=["j1"])
-    assert one.joints == pytest.approx({"j1": 0.0, "j2": -np.pi / 2}, abs=1e-9)
-    assert one.torques == pytest.approx({"j1": 1.5 * G}, rel=1e-9)
-
-
-@pytest.mark.parametrize("kind", ["revolute", "continuous"])
-def test_pendulum(kind):
-    # w^2 = (m g l + k) / (I + m l^2), swinging about y under weight along -z
-    m, l, I, k = 1.7, 0.6, 0.05, 2.5
-    model = urdf(
-        GROUND, link("bob", m, (0, 0, -l), (I / 3, I, I / 2)), joint("swing", "frame", "bob", kind, axis=(0, 1, 0), damping=0.2)
-    )
-    system = (robot := mb.Robot(model, joint_stiffness={"swing": k}, joint_rest={"swing": 0.0})).linearize(
-        robot.equilibrium({"swing": 0.3})
-    )
-    inertia = I + m * l**2
-    assert near(system.mass, [[inertia]], 1e-14) and near(system.damping, [[0.2]], 1e-14)
-    assert near(system.stiffness, [[m * G * l + k]], 1e-12)
-    upright = robot.linearize(robot.equilibrium({"swing": np.pi}, hold="all"))
-    assert near(upright.stiffness, [[k - m * G * l]], 1e-12)
-
-
 @pytest.mark.parametrize("angle", [0.3, np.pi / 2, -2.0])
 def test_a_spring_without_a_rest_carries_the_weight_in_the_posture(angle):
     # k acts from the posture on: w^2 = (m g l cos + k) / (I + m l^2), and the load is that of gravity alone
@@ -132,34 +103,17 @@ def test_a_spring_without_a_rest_carries_the_weight_in_the_posture(angle):
         assert near(robot.linearize(posture).stiffness, [[m * G * l * np.cos(angle) + k]], 1e-12)
 
 
-def test_springs_of_a_free_body_carry_its_weight():
-    # a body on springs along and about its own axes, level: sqrt(k/m) and sqrt(k/I), the weight carried
-    model = urdf(link("body", 2.0, (0, 0, 0), (0.1, 0.2, 0.25)))
-    names, k = [f"base {axis}" for axis in ("x", "y", "z", "rx", "ry", "rz")], [10.0, 20.0, 30.0, 4.0, 5.0, 6.0]
-    robot = mb.Robot(model, base="free", joint_stiffness=dict(zip(names, k)))
-    posture = robot.equilibrium({"base": (0, 0, 1, 0, 0, 0)})
-    assert posture.torques == pytest.approx(dict.fromkeys(names, 0.0) | {"base z": 2 * G})
-    known = np.sqrt(np.array(k) / [2.0, 2.0, 2.0, 0.1, 0.2, 0.25])
-    assert robot.linearize(posture).modes().natural_frequencies == pytest.approx(np.sort(known), rel=1e-12)
-
-
 def parallelogram_square(crank, mass, length):
     """w^2 = g (m + mc) / (L (m + 2/3 mc)): a coupler m that stays level, two uniform cranks mc."""
     return G * (mass + crank) / (length * (mass + 2 * crank / 3))
 
 
-@pytest.mark.parametrize("crank", [0.4, 1e-3, 1e-9])
+@pytest.mark.parametrize("crank", [0.4, 1e-9, 0.0])
 def test_parallelogram_whose_coupler_is_a_free_body(crank):
-    robot, guess = linkages.free_parallelogram(crank, 1.5, 0.5, 1.0, spin=1e-3)
+    # links without inertia are links: the coupler alone moves, as a point on a string does
+    robot, guess = linkages.free_parallelogram(crank, 1.5, 0.5, 1.0)
     system = robot.linearize(robot.equilibrium(guess))
     assert near(frequencies(system) ** 2, [parallelogram_square(crank, 1.5, 0.5)])
-
-
-def test_parallelogram_with_cranks_of_no_mass():
-    # links without inertia are links: the coupler alone moves, as a point on a string does
-    robot, guess = linkages.free_parallelogram(0.0, 1.5, 0.5, 1.0)
-    system = robot.linearize(robot.equilibrium(guess))
-    assert near(frequencies(system), [np.sqrt(G / 0.5)])
 
 
 @pytest.mark.parametrize("crank", [0.4, 0.0])
@@ -172,10 +126,9 @@ def test_parallelogram_in_joint_angles(crank):
 
 
 @pytest.mark.parametrize("turned", [0.0, 0.8, np.pi])
-@pytest.mark.parametrize("kind", ["rigid"])
-def test_a_pin_that_is_fastened_to_the_rocker(kind, turned):
+def test_a_pin_that_is_fastened_to_the_rocker(turned):
     # the frames of the loop may look anywhere
-    robot, guess = linkages.four_bar_with_pin(given("four-bar with a pin"), kind, turned)
+    robot, guess = linkages.four_bar_with_pin(given("four-bar with a pin"), turned)
     system = robot.linearize(robot.equilibrium(guess))
     assert near(frequencies(system), known_frequencies("four-bar with a pin"))
 
@@ -231,52 +184,6 @@ def test_force_at_a_joint():
     robot = mb.Robot(model, gravity=PLANE)
     posture = robot.equilibrium({"swing": -1.4}, forces={"swing": 2.0})
     assert np.cos(posture.joints["swing"]) == pytest.approx(2.0 / (0.5 * G), rel=1e-12)  # m g l cos(q) = torque
-
-
-@pytest.mark.parametrize(
-    "options, lateral, damping",
-    [({"preload": 80.0}, 160.0, 0.0), ({"preload": -80.0}, -160.0, 0.0), ({"damping": 3.0}, 0.0, 6.0)],
-    ids=["pulled", "pressed", "slack"],
-)
-def test_string_with_preload_instead_of_a_rest_length(options, lateral, damping):
-    # tension T on both sides: lateral 2 T / (m L), along 2 k / m; a preload does not depend on the length at rest
-    half, k = 1.0, 800.0
-    model = urdf(
-        GROUND, link("a"), link("b"), link("bead", 0.5),
-        joint("x", "frame", "a", "prismatic", axis=(1, 0, 0)), joint("y", "a", "b", "prismatic", axis=(0, 1, 0)), joint("z", "b", "bead", "prismatic"),
-    )  # fmt: skip
-    springs = [mb.BodySpring("bead", (0, 0, 0), "ground", (x, 0, 0), stiffness=k, name=f"at {x}", **options) for x in (-half, half)]
-    robot = mb.Robot(model, springs=springs, gravity=0)
-    system = robot.linearize(robot.equilibrium())
-    assert near(system.stiffness, np.diag([2 * k, lateral / half, lateral / half]), 1e-13)
-    assert near(system.damping, np.diag([damping, 0, 0]), 1e-13)
-
-
-def test_bushing_along_the_axes_of_its_frame():
-    # K = R diag(k) R^T where nothing is turned, and where nothing is sunk: no weight
-    turned, k, c = (0.4, -0.3, 1.1), (100.0, 250.0, 700.0), (1.0, 2.0, 3.0)
-    r, p, y = turned
-    from scipy.spatial.transform import Rotation
-
-    R = Rotation.from_euler("xyz", [r, p, y]).as_matrix()
-    mount = mb.Bushing(
-        "body",
-        (0, 0, 0),
-        "ground",
-        (0, 0, 0),
-        stiffness=k,
-        damping=c,
-        turning_stiffness=k,
-        turning_damping=c,
-        rotation1=turned,
-        rotation2=turned,
-    )
-    robot = mb.Robot(urdf(link("body", 2.0, (0, 0, 0), (0.1, 0.2, 0.15))), base="free", springs=[mount], gravity=0)
-    system = robot.linearize(robot.equilibrium())
-    block = np.kron(np.eye(2), R @ np.diag(k) @ R.T)
-    assert near(system.stiffness, block, 1e-12)
-    assert near(system.damping, np.kron(np.eye(2), R @ np.diag(c) @ R.T), 1e-12)
-    assert near(system.mass, np.diag([2, 2, 2, 0.1, 0.2, 0.15]), 1e-14)
 
 
 def test_inputs_and_outputs():

@@ -10,6 +10,7 @@ import pytest
 import mbconstrained as mb
 from mbconstrained.robot import linear_range
 from mbconstrained.robot.description import mjcf
+from tests.robot import linkages
 from tests.robot.linkages import null_space
 from tests.robot.mjcf_models import Generator, Oracle, compiled_here
 
@@ -85,95 +86,19 @@ def frequencies(robot: mb.Robot, **options) -> np.ndarray:
     return robot.linearize(robot.equilibrium(**options)).modes().frequencies_hz
 
 
-# Values of MuJoCo 4.0: mass matrix and derivative of the forces at the posture, loops by null space.
-
-
 @pytest.mark.parametrize(
-    ("text", "first"),
+    ("polynomial", "value"),
     [
-        (chain(place='axisangle="1 2 3 40"'), 1.538),
-        (chain('<default><default class="c"><joint pos="0 0 0.1"/></default></default>', a='class="c"'), 2.04),
-        (
-            chain('<compiler inertiafromgeom="true"/>').replace(
-                '0.04"/></body>', '0.04"/><geom type="box" size="0.1 0.2 0.3" pos="0.1 0 -0.3" mass="2.5"/></body>'
-            ),
-            1.9383,
-        ),
+        ('joint2="a" polycoef="0.1 -2 0 0 0"', np.radians(-20) + 0.1 + 2 * np.radians(30)),  # b - b0 = 0.1 - 2 (a - a0)
+        ('polycoef="0.2"', np.radians(-20) + 0.2),
     ],
-    ids=["axisangle in degrees", "pos of a joint by class", "inertiafromgeom"],
 )
-def test_masses(tmp_path, here, text, first):
-    robot = read(tmp_path, text)
-    assert robot.linearize(robot.equilibrium(hold="all")).mass[0, 0] == pytest.approx(first, rel=5e-4)
-
-
-@pytest.mark.parametrize(
-    ("text", "wanted"),
-    [
-        (chain('<compiler eulerseq="ZYX"/>', place='euler="20 30 40"'), [0.6199, 0.8762]),
-        (linkage("c", "", 'pos="0.02 0 0.05"'), [3.7037]),
-        (
-            linkage(
-                "e",
-                body(
-                    "e",
-                    place='pos="0.1 0 0.1" euler="0 20 0"',
-                    inertial='<inertial mass="0.1" pos="0 0 0" diaginertia="0.01 0.01 0.01"/>',
-                ),
-            ),
-            [2.4197],
-        ),
-    ],
-    ids=["capitals of eulerseq", "connect next to pos of a joint", "connect on a fixed body"],
-)
-def test_frequencies(tmp_path, here, text, wanted):
-    robot = read(tmp_path, text)
-    options = {} if "connect" in text else {"hold": "all"}
-    assert frequencies(robot, **options) == pytest.approx(wanted, abs=6e-5)
-
-
-def test_a_base_that_is_turned_turns_gravity(tmp_path, here):
-    """A palm upside down with one finger on a spring: w^2 = (k + m g l) / J. A hinge about the axis of a tilted base:
-    w^2 = m g l cos(30 deg) / J."""
-    finger = body(
-        "finger",
-        hinge("j", 'stiffness="0.2"'),
-        place='pos="0 0 0.02"',
-        inertial='<inertial pos="0 0 0.05" mass="0.05" diaginertia="2e-5 2e-5 1e-6"/>',
-    )
-    palm = body("palm", "", finger, 'pos="0 0 0.1" quat="0 1 0 0"')
-    robot = read(tmp_path, f"<mujoco><worldbody>{palm}</worldbody></mujoco>")
-    moment = 0.05 * 0.05**2 + 2e-5
-    assert frequencies(robot) == pytest.approx([np.sqrt((0.2 + 0.05 * 9.81 * 0.05) / moment) / (2 * np.pi)], rel=1e-12)
-    assert frequencies(robot) == pytest.approx([6.2628], rel=1e-5)
-    arm = body("arm", '<joint name="j" axis="1 0 0"/>', inertial='<inertial pos="0 0 -0.5" mass="1" diaginertia="0.01 0.01 0.01"/>')
-    tilted = body("base", "", arm, 'euler="0 30 0" pos="0 0 2"')
-    robot = read(tmp_path, f"<mujoco><worldbody>{tilted}</worldbody></mujoco>", "n.xml")
-    assert frequencies(robot) * 2 * np.pi == pytest.approx([np.sqrt(9.81 * 0.5 * np.cos(np.pi / 6) / 0.26)], rel=1e-12)
-
-
-def test_equalities_that_are_not_active(tmp_path, here):
-    bodies = ""
-    for name, place in (("link3", "-0.3 0 -0.4"), ("link2", "0.3 0 -0.5"), ("link1", "0 0 1")):
-        mass = '<inertial mass="2" pos="0.1 0 -0.3" diaginertia="0.02 0.03 0.04"/>'
-        bodies = body(name, hinge(name, 'stiffness="30"'), bodies, f'pos="{place}"', mass)
-    off = '<equality><connect name="k" body1="link3" anchor="0.1 0 -0.4" active="false"/><weld body1="link3" body2="link1" active="false"/></equality>'
-    robot = read(tmp_path, f'<mujoco><worldbody><body name="base">{bodies}</body></worldbody>{off}</mujoco>')
-    assert frequencies(robot, hold="all") == pytest.approx([0.60355, 2.17957, 3.04345], rel=1e-5)
-
-
-def test_a_coupling_is_relative_to_the_references(tmp_path, here):
-    """b - b0 = 0.1 - 2 (a - a0) with a0 = 30 deg and b0 = -20 deg."""
-    equality = '<equality><joint joint1="b" joint2="a" polycoef="0.1 -2 0 0 0"/></equality>'
-    posture = read(tmp_path, chain(a='ref="30"', b='ref="-20"', after=equality)).equilibrium({"a": 0.0}, hold=["a"])
-    assert posture["b"] == pytest.approx(np.radians(-20) + 0.1 + 2 * np.radians(30), abs=1e-12) == pytest.approx(0.7981, abs=5e-5)
-
-
-def test_a_joint_that_an_equality_keeps_at_a_value(tmp_path, here):
-    robot = read(tmp_path, chain(b='ref="10"', after='<equality><joint joint1="b" polycoef="0.2"/></equality>'))
-    posture = robot.equilibrium({"a": 0.3}, hold=["a"])
-    assert posture["b"] == pytest.approx(np.radians(10) + 0.2, abs=1e-12)
-    assert len(robot.linearize(posture).modes().frequencies_hz) == 1
+def test_equalities_of_joints_are_relative_to_the_references(tmp_path, here, polynomial, value):
+    equality = f'<equality><joint joint1="b" {polynomial}/></equality>'
+    robot = read(tmp_path, chain(a='ref="30"', b='ref="-20"', after=equality))
+    posture = robot.equilibrium({"a": 0.0}, hold=["a"])
+    assert posture["b"] == pytest.approx(value, abs=1e-12)
+    assert len(robot.linearize(posture).modes()) == 1
 
 
 def test_the_linear_coefficient_of_polynomial_damping(tmp_path, here):
@@ -204,8 +129,15 @@ def test_the_linear_coefficient_of_polynomial_damping(tmp_path, here):
         chain().replace(
             '<joint name="a" axis="0 1 0" />', '<joint name="a" type="ball" stiffness="40" damping="2" armature="0.1"/>'
         ),
+        chain(place='axisangle="1 2 3 40"'),
+        chain('<compiler eulerseq="ZYX"/>', place='euler="20 30 40"'),
+        chain('<default><default class="c"><joint pos="0 0 0.1"/></default></default>', a='class="c"'),
+        chain('<compiler inertiafromgeom="true"/>').replace(
+            '0.04"/></body>', '0.04"/><geom type="box" size="0.1 0.2 0.3" pos="0.1 0 -0.3" mass="2.5"/></body>'
+        ),
     ],
-    ids="frame replicate unnamed springdamper flags gravcomp settotalmass two-joints two-worlds tendon two-bodies ball".split(),
+    ids="frame replicate unnamed springdamper flags gravcomp settotalmass two-joints two-worlds tendon two-bodies ball axisangle "
+    "eulerseq pos-by-class inertiafromgeom".split(),
 )
 def test_mass_stiffness_and_damping_are_those_of_mujoco(tmp_path, here, text):
     robot = read(tmp_path, text)
@@ -273,12 +205,27 @@ def test_random_models(tmp_path, here, seed):
 
 @pytest.mark.parametrize("seed", range(60))
 def test_loops_of_random_models(tmp_path, here, seed):
-    """Equalities are closed where MuJoCo has computed their anchors, at the references: the same motions are left, which have the
-    same stiffness N^T (K - d(J^T lambda)/dq) N under loop forces of the same effect."""
     generator = Generator(seed)
     generator.loops = True
-    (tmp_path / "m.xml").write_text(generator.model())
-    robot, oracle = mb.Robot(tmp_path / "m.xml"), Oracle(tmp_path / "m.xml")
+    robot = read(tmp_path, generator.model())
+    expect_loops_of_mujoco(robot, tmp_path / "m.xml", seed)
+
+
+def on_a_fixed_body() -> str:
+    """The linkage with a loop at a body that is fixed in another one."""
+    mass = '<inertial mass="0.1" pos="0 0 0" diaginertia="0.01 0.01 0.01"/>'
+    return linkage("e", body("e", place='pos="0.1 0 0.1" euler="0 20 0"', inertial=mass))
+
+
+@pytest.mark.parametrize("text", [linkage("c", "", 'pos="0.02 0 0.05"'), on_a_fixed_body()], ids=["pos-of-a-joint", "fixed-body"])
+def test_loops_next_to_a_displaced_joint_and_on_a_fixed_body(tmp_path, here, text):
+    expect_loops_of_mujoco(read(tmp_path, text), tmp_path / "m.xml", 0)
+
+
+def expect_loops_of_mujoco(robot: mb.Robot, path: Path, seed: int) -> None:
+    """Equalities are closed where MuJoCo has computed their anchors, at the references: the same motions are left, which have the
+    same stiffness N^T (K - d(J^T lambda)/dq) N under loop forces of the same effect."""
+    oracle = Oracle(path)
     qpos = oracle.model.qpos0.copy()
     posture = robot.equilibrium(robot.tangent.values(_configuration(oracle.model, qpos)), hold=robot.coordinates)
     robot.linearize(posture)
@@ -312,6 +259,39 @@ def test_a_linkage_rests_by_the_forces_of_mujoco_in_a_state_of_its_file(tmp_path
     force = oracle.force(posture.configuration)
     assert N.shape == (4, 1) and np.abs(robot.linearize(posture).constraint_matrix @ N).max() < 1e-12
     assert np.abs(N.T @ force).max() < 1e-10 * np.abs(force).max()
+
+
+def test_four_bar_simulated_with_stiff_connections():
+    # MuJoCo holds loops by stiff springs and its own integrator: frequencies agree as the step goes to zero, 4e-6 here
+    p = linkages.given("four-bar")
+    robot, guess = linkages.four_bar(p)
+    posture = robot.equilibrium(guess)
+    _, coupler, rocker = p["lengths"]
+    text = linkages.four_bar_text(p)
+    specification = mujoco.MjSpec.from_string(text)
+    specification.option.gravity, specification.option.timestep = np.array(linkages.PLANE), 1e-3
+    equality = specification.add_equality()
+    equality.type, equality.objtype = mujoco.mjtEq.mjEQ_CONNECT, mujoco.mjtObj.mjOBJ_BODY
+    equality.name1, equality.name2 = "coupler", "rocker"
+    equality.solref = [0.002, 1.0]
+    equality.data[:3] = (coupler, 0, 0)
+    model = specification.compile()
+    number = model.joint("j1").id
+    model.jnt_stiffness.reshape(model.njnt, -1)[number, 0] = p["stiffness"]  # later entries: powers of the deflection
+    model.qpos_spring[model.joint("j1").qposadr[0]] = p["rest"]
+    model.eq_data[0, 3:6] = (rocker, 0, 0)  # MuJoCo put it where the coupler ends at zero angles: elsewhere
+    data = mujoco.MjData(model)
+    for name, value in posture.joints.items():
+        data.qpos[model.joint(name).qposadr[0]] = value
+    mujoco.mj_forward(model, data)
+    mujoco.mj_step(model, data, 400)
+    data.qvel[:] = 0
+    A = np.zeros((2 * model.nv, 2 * model.nv))
+    mujoco.mjd_transitionFD(model, data, 1e-6, True, A, None, None, None)
+    values = np.log(np.linalg.eigvals(A).astype(complex)) / model.opt.timestep
+    slow = min(values[np.abs(values.imag) > 1e-3], key=lambda s: abs(s))
+    assert abs(slow) == pytest.approx(linkages.known_frequencies("four-bar")[0], rel=2e-5)
+    assert abs(slow) == pytest.approx(robot.linearize(posture).modes().natural_frequencies[0], rel=2e-5)
 
 
 def test_geoms_are_shapes(tmp_path, here):
@@ -370,25 +350,6 @@ def test_gains_of_actuators_are_motors(tmp_path, here):
     posture = robot.equilibrium({"a": 0.4}, hold=["b"])
     assert posture["a"] == pytest.approx(0.4, abs=1e-15)  # its control carries the load
     assert any("actuators without feedback exert no force: idle" in notice.text for notice in robot.description_notices)
-
-
-def test_a_tendon_along_straight_lines_stretches_as_a_spring_between_bodies(tmp_path, here):
-    sites = '<site name="s1" pos="0.2 0 1"/>'
-    text = (
-        chain()
-        .replace('<body name="base">', f'{sites}<body name="base">')
-        .replace('diaginertia="0.02 0.03 0.04"/></body>', 'diaginertia="0.02 0.03 0.04"/><site name="s2" pos="0.1 0 -0.4"/></body>')
-    )
-    tendon = '<tendon><spatial name="t" stiffness="300" damping="5" springlength="0.5"><site site="s1"/><site site="s2"/></spatial></tendon>'
-    robot = read(tmp_path, text.replace("</mujoco>", tendon + "</mujoco>"))
-    spring = mb.BodySpring("ground", (0.2, 0, 1), "link2", (0.1, 0, -0.4), stiffness=300.0, rest_length=0.5, damping=5.0)
-    other = read(tmp_path, text, "other.xml", springs=[spring])
-    guess = {"a": 0.3, "b": -0.2}
-    systems = [one.linearize(one.equilibrium(guess, hold="all")) for one in (robot, other)]
-    for matrix in ("mass", "damping", "stiffness"):
-        own, wanted = (getattr(system, matrix) for system in systems)
-        assert np.abs(own - wanted).max() <= 1e-12 * np.abs(wanted).max()
-    assert frequencies(robot, guess=guess) == pytest.approx(frequencies(other, guess=guess), rel=1e-9)
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import mbconstrained as mb
-from tests.robot.linkages import BUILDERS, PLANE, Linkage, allowed, bar, given, joint, link, robot_of, urdf
+from tests.robot.linkages import BUILDERS, PLANE, Linkage, allowed, bar, given, joint, link, linkage, urdf
 
 AMPLITUDES = (1e-3, 1e-4)
 
@@ -29,7 +29,7 @@ def floating_arm() -> Linkage:
     turned = {"rotation1": (0.2, 0.1, 0.0), "rotation2": (0.2, 0.1, 0.0)}
     mount = mb.Bushing("hull", (0, 0, 0.3), "ground", (0, 0, 0.3), name="mount", **stiff, **damp, **turned)
     options = {"joint_stiffness": {"j1": 12.0, "j2": 6.0}, "joint_rest": {"j1": -0.4, "j2": 0.5}, "joint_damping": {"j2": 0.05}}
-    return Linkage(*robot_of(model, base="free", springs=[mount], **options), {"j1": -0.3, "j2": 0.4})
+    return linkage(model, {"j1": -0.3, "j2": 0.4}, base="free", springs=[mount], **options)
 
 
 NAMES = (
@@ -38,7 +38,7 @@ NAMES = (
 LARGE = [pytest.param(name, marks=pytest.mark.long) for name in ("platform on springs", "floating arm")]
 
 
-def linkage(name: str) -> Linkage:
+def of_name(name: str) -> Linkage:
     return floating_arm() if name == "floating arm" else BUILDERS[name](given(name))
 
 
@@ -73,7 +73,7 @@ def in_rows(forces: dict, rows) -> np.ndarray:
 @pytest.mark.parametrize("name", [*NAMES, *LARGE])
 def test_motion_and_reactions_are_off_by_the_square_of_the_amplitude(name):
     """Over a period of the slowest mode. The frame on the first body turns with it: statics plus multipliers are components there."""
-    described = linkage(name)
+    described = of_name(name)
     robot, guess = described
     posture = robot.equilibrium(guess)
     reference, system = described.reference(), robot.linearize(posture)
@@ -103,7 +103,7 @@ def test_motion_and_reactions_are_off_by_the_square_of_the_amplitude(name):
 def test_elastic_arm_is_off_by_the_square_of_the_amplitude():
     # M(q) q'' + h(q, q') = (k + c d/dt)(theta - q), B theta'' = tau - k_p theta - ... : Spong's equations, by hand
     p = given("flexible arm with PD")
-    described = linkage("flexible arm with PD")
+    described = of_name("flexible arm with PD")
     robot, guess = described
     posture = robot.equilibrium(guess, hold="all")
     system = robot.linearize(posture)

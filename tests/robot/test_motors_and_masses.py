@@ -1,14 +1,13 @@
-"""Motors with rigid gears, payloads, other masses, gears of joints: against closed forms and the referee of finite differences."""
+"""Motors with rigid gears, payloads, other masses, gears of joints, joints that follow: against closed forms and the referee of finite differences."""
 
 import re
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 import mbconstrained as mb
-from mbconstrained.robot.statics import Balance
-from tests.robot.linkages import GROUND, PLANE, bar, joint, link, urdf
-from tests.robot.reference import Reference
+from tests.robot.linkages import GROUND, PLANE, allowed, bar, joint, link, urdf
 
 G = 9.81
 PENDULUM = urdf(GROUND, link("bob", 1.7, (0, 0, -0.6), (0.02, 0.05, 0.03)), joint("swing", "frame", "bob", axis=(0, 1, 0)))
@@ -115,52 +114,76 @@ def test_a_gear_and_a_rack(train):
     assert frequency**2 == pytest.approx((k + a**2 * c) / (0.4 + r**2 * 0.1 + a**2 * 3.0), rel=1e-12)
 
 
-LOOPS = {
-    "rod": {"kind": "rod"},
-    "long rod": {"kind": "rod", "length": 0.5},
-    "cylindrical": {"kind": "cylindrical", "axis": (0.3, 1.0, -0.2)},
-    "prismatic": {"kind": "prismatic", "axis": (0.0, 1.0, 0.0)},
-}
+# Joints that follow others (URDF <mimic>): one coordinate less, found by putting one angle into the energies by hand.
+
+MASSES, LENGTHS = (1.3, 0.8), (0.6, 0.9)
 
 
-@pytest.mark.parametrize("what", LOOPS)
-def test_other_loops_against_finite_differences_of_all_forces(what):
-    """K on the motions that are allowed = derivative of gravity - J^T lambda along them, J the numerical gradient of each row."""
-    chain = ["frame", *(f"b{i}" for i in range(7))]
-    axes = [(1, 0, 0), (0, 1, 0), (0, 0, 1), (1, 0.5, 0), (0, 1, 0.3), (0.2, 0, 1), (1, 1, 0)]
-    parts = [link(name, 0.5 + 0.1 * i, (0.05, 0.02, 0.1), (0.02, 0.03, 0.025)) for i, name in enumerate(chain[1:])]
-    joints = [joint(f"j{i}", *ends, at=(0.05, 0.1, 0.2), axis=axis) for i, (*ends, axis) in enumerate(zip(chain, chain[1:], axes))]
-    text = urdf(GROUND, *parts, *joints)
-    point2 = {} if LOOPS[what]["kind"] != "rod" else {"point2": (0.6, 0.2, 0.9)}
-    loop = mb.Loop("b6", (0.1, 0, 0.2), "ground", name="tie", **point2, **LOOPS[what])
-    guess = {f"j{i}": value for i, value in enumerate((0.3, -0.5, 0.4, 0.6, -0.2, 0.5, 0.1))}
-    robot = mb.Robot(text, loops=[loop], joint_stiffness={f"j{i}": 400.0 for i in range(7)}, joint_rest=guess)
-    posture = robot.equilibrium(guess)
-    system = robot.linearize(posture)
-    assert (
-        posture.loop_error < 1e-12 and posture.residual < 1e-9 and len(system.rows) == {"rod": 1, "cyl": 4, "pri": 5}[loop.kind[:3]]
+def two_pendulums(ratio: float, offset: float, kind: str = "revolute", chained: bool = False) -> str:
+    """Uniform bars on hinges side by side, or one on the other; j2 = ratio j1 + offset."""
+    follow = f'<mimic joint="j1" multiplier="{ratio!r}" offset="{offset!r}"/></joint>'
+    second = joint("j2", "first" if chained else "frame", "second", kind, at=(LENGTHS[0] if chained else 3, 0, 0))
+    return urdf(
+        GROUND,
+        bar("first", MASSES[0], LENGTHS[0]),
+        bar("second", MASSES[1], LENGTHS[1]),
+        joint("j1", "frame", "first", kind),
+        second.replace("</joint>", follow),
     )
-    reference = Reference(text, joint_stiffness={f"j{i}": 400.0 for i in range(7)}, joint_rest=guess)
-    q = reference.configuration(posture.joints)
-    h = 1e-4
 
-    def balance(d):
-        return Balance(robot.tree, posture.balance.load, q + d)
 
-    def gaps(d):
-        return balance(d).gaps
+def side_by_side(ratio, offset, guess):
+    """(angle, w^2): V = -m1 g l1/2 (-sin q) ..., T = (I1 + r^2 I2) q'^2 / 2, I = m l^2 / 3; weight along -y."""
+    (m1, m2), (a, b) = MASSES, LENGTHS
 
-    J = np.array([(8 * (gaps(h * e) - gaps(-h * e)) - (gaps(2 * h * e) - gaps(-2 * h * e))) / (12 * h) for e in np.eye(7)]).T
-    assert posture.balance.jacobian == pytest.approx(J, abs=1e-9)
-    N = np.linalg.svd(J)[2][len(J) :].T
+    def slope(q):
+        return G * (m1 * a / 2 * np.cos(q) + ratio * m2 * b / 2 * np.cos(ratio * q + offset))
 
-    def unbalanced(d):
-        return -reference.applied(q + d) - balance(d).jacobian.T @ posture.multipliers
+    q = brentq(slope, guess - 0.4, guess + 0.4, xtol=1e-15)
+    curvature = -G * (m1 * a / 2 * np.sin(q) + ratio**2 * m2 * b / 2 * np.sin(ratio * q + offset))
+    return q, curvature / (m1 * a**2 / 3 + ratio**2 * m2 * b**2 / 3)
 
-    K = np.array([(unbalanced(h * e) - unbalanced(-h * e)) / (2 * h) for e in np.eye(7)]).T
-    expected = N.T @ K @ N
-    assert np.abs(N.T @ unbalanced(0 * q)).max() < 1e-7
-    assert N.T @ system.stiffness @ N == pytest.approx(expected, abs=2e-6 * np.abs(expected).max())
+
+@pytest.mark.parametrize(
+    ("ratio", "offset", "guess", "kind"),
+    [(1.0, 0.0, -1.5, "revolute"), (0.5, -0.9, -1.5, "continuous"), (2.0, 1.2, -1.4, "revolute"), (-1.0, -3.0, -1.5, "continuous")],
+)
+def test_two_pendulums_that_follow_each_other(ratio, offset, guess, kind):
+    angle, square = side_by_side(ratio, offset, guess)
+    robot = mb.Robot(two_pendulums(ratio, offset, kind), gravity=PLANE)
+    posture = robot.equilibrium({"j1": guess, "j2": ratio * guess + offset})
+    assert posture.joints == pytest.approx({"j1": angle, "j2": ratio * angle + offset}, rel=1e-10)
+    assert posture.loop_error < 1e-12
+    system = robot.linearize(posture)
+    assert system.modes().natural_frequencies ** 2 == pytest.approx([square], rel=1e-9)
+    assert [row.name for row in system.rows] == ["j2 follows j1"]
+    N = allowed(system)[:, 0]
+    assert N[1] / N[0] == pytest.approx(ratio, rel=1e-13)
+
+
+def test_fixed_joints_and_the_ones_that_follow():
+    """j2 = -j1: the forearm does not turn, so it is a point of mass m2 at the elbow."""
+    robot = mb.Robot(two_pendulums(-1.0, 0.0, chained=True), gravity=PLANE)
+    posture = robot.equilibrium({"j1": 0.3, "j2": -0.3}, hold=["j1"])
+    (m1, m2), (a, _) = MASSES, LENGTHS
+    assert posture.joints == pytest.approx({"j1": 0.3, "j2": -0.3}, abs=1e-12)
+    assert posture.torques["j1"] == pytest.approx(G * a * np.cos(0.3) * (m1 / 2 + m2), rel=1e-10)
+
+
+def test_one_that_follows_a_locked_joint_is_locked():
+    with pytest.raises(mb.InputError, match="no joint that moves"):  # both of two
+        mb.Robot(two_pendulums(2.0, 1.2, chained=True), gravity=PLANE, locked={"j1": 0.2})
+    with pytest.raises(mb.InputError, match='"j2" follows "j1", which moves'):
+        mb.Robot(two_pendulums(2.0, 1.2, chained=True), gravity=PLANE, locked={"j2": 0.2})
+
+
+@pytest.mark.parametrize("length", [None, 0.5])
+def test_a_rod_has_its_length_or_that_at_the_guess(length):
+    """A slide along x that a rod of l holds to a point h above it: x^2 + h^2 = l^2."""
+    slide = link("cart", 2.0, (0, 0, 0), (1, 1, 1)), joint("x", "frame", "cart", "prismatic", axis=(1, 0, 0))
+    rod = mb.Loop("ground", (0, 0, 0.3), "cart", (0, 0, 0), kind="rod", length=length)
+    posture = mb.Robot(urdf(GROUND, *slide), loops=[rod]).equilibrium({"x": 0.35})
+    assert posture["x"] == pytest.approx(0.35 if length is None else 0.4, rel=1e-12)
 
 
 def test_loop_forces_in_the_directions_of_the_ground_add_up_to_the_weight():

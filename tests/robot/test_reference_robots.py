@@ -10,26 +10,23 @@ from tests.robot.linkages import (
     BUILDERS,
     GROUND,
     PLANE,
-    Linkage,
     allowed,
-    bar,
     given,
     joint,
     known_frequencies,
     linearized,
     link,
+    linkage,
     null_space,
-    robot_of,
     urdf,
 )
-from tests.robot.random_robots import random_case, random_link
-from tests.robot.reference import Reference
+from tests.robot.random_robots import random_case
 
 # ---------------------------------------------------------------- units
 
 
-@pytest.mark.parametrize("mass", [1e-9, 1.0, 1e6])
-@pytest.mark.parametrize("length", [1e-6, 1e-3, 1.0, 1e4])
+@pytest.mark.parametrize("mass", [1e-9, 1e6])
+@pytest.mark.parametrize("length", [1e-6, 1e4])
 @pytest.mark.parametrize("name", ["four-bar", "skew hanging four-bar", "six-bar", "slider-crank", "four-bar with a pin"])
 def test_small_and_large_linkages(name, length, mass):
     # lengths times a, masses times b, gravity times a, torsion springs times b a^2, line springs times b: the same w
@@ -57,50 +54,6 @@ def _scaled_constants(text: str, length: float, mass: float) -> str:
 
 
 # ---------------------------------------------------------------- joints
-
-
-def test_floating_joint_is_a_free_base():
-    body = link("body", 2.0, (0.1, -0.2, 0.05), (0.3, 0.4, 0.5, 0.02, 0.01, -0.03))
-    arm = (bar("arm", 0.7, 0.5, 0.01), joint("j1", "body", "arm", at=(0.2, 0, 0), axis=(0, 1, 0)))
-    mount = mb.Bushing(
-        "body", (0.1, 0.2, 0.3), "ground", (0.1, 0.2, 0.3), stiffness=(300, 400, 500), turning_stiffness=(30, 40, 50), name="mount"
-    )
-    options = {"springs": [mount], "joint_stiffness": {"j1": 9.0}, "joint_rest": {"j1": 0.4}}
-    free = mb.Robot(urdf(body, *arm), base="free", **options)
-    floating = mb.Robot(urdf(GROUND, body, *arm, joint("float", "frame", "body", "floating")), **options)
-    first, second = (robot.linearize(robot.equilibrium({"j1": 0.3})) for robot in (free, floating))
-    assert second.modes().natural_frequencies == pytest.approx(first.modes().natural_frequencies, rel=1e-9)
-    assert second.size == 7 and tuple(second.units.values()) == tuple(first.units.values())
-
-
-def test_links_on_fixed_joints_are_one_body_with_their_parent():
-    # a tool bolted on, turned and moved: its mass, and points and frames in its own axes
-    rng = np.random.default_rng(5)
-    at, turned = (0.3, -0.1, 0.2), (0.4, 1.1, -0.6)
-    base = urdf(GROUND, bar("upper", 1, 0.6), bar("lower", 1, 0.5), *(random_link(rng, "tool"),), link("nail"),
-                joint("j1", "frame", "upper", axis=(0, 1, 0)), joint("j2", "upper", "lower", at=(0.6, 0, 0), axis=(0.1, 1, 0.3)),
-                joint("j3", "lower", "tool", "TYPE", at=at, turned=turned),
-                joint("bolt", "tool", "nail", "fixed", at=(0, 0.1, 0), turned=(0, 0, 1)))  # fmt: skip
-    loop = mb.Loop("nail", (0.1, 0, 0.2), "ground", name="tip")
-    options = {"loops": [loop], "joint_stiffness": {"j1": 50.0, "j2": 40.0}, "joint_rest": {"j1": 0.5, "j2": 0.7}}
-    bolted = mb.Robot(base.replace('"TYPE"', '"fixed"'), **options)
-    locked = mb.Robot(base.replace('"TYPE"', '"continuous"'), locked={"j3": 0.0}, **options)
-    guess = {"j1": 0.5, "j2": 0.7}
-    first, second = (robot.equilibrium(guess, hold="all") for robot in (bolted, locked))
-    a, b = bolted.linearize(first), locked.linearize(second)
-    assert bolted.joints == locked.joints == ("j1", "j2") and set(bolted.bodies) == set(locked.bodies)
-    assert np.allclose(a.mass, b.mass, rtol=1e-13) and np.allclose(a.stiffness, b.stiffness, rtol=1e-12)
-    reference = Reference(
-        base.replace('"TYPE"', '"fixed"'),
-        loops=(loop,),
-        joint_stiffness=options["joint_stiffness"],
-        joint_rest=options["joint_rest"],
-    )
-    q = reference.start = reference.configuration(guess)
-    N = null_space(reference.rows(q))
-    expected = N.T @ reference.stiffness(q, reference.multipliers(q, first.reactions)) @ N
-    assert np.allclose(N.T @ a.stiffness @ N, expected, rtol=1e-9, atol=1e-9 * np.abs(expected).max(initial=1))
-    assert np.allclose(allowed(a) @ allowed(a).T, N @ N.T, atol=1e-9)
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -161,7 +114,9 @@ def test_stiffness_of_forces_that_keep_their_direction(seed, kinds):
     places = [case.reference.coordinates.index(name) for name in case.robot.coordinates]
     J = case.reference.rows(q)[:, places]
     N = null_space(J) if len(J) else np.eye(6)
-    expected = N.T @ case.reference.stiffness(q, case.reference.multipliers(q, posture.reactions))[np.ix_(places, places)] @ N
+    expected = (
+        N.T @ case.reference.stiffness(q, case.reference.multipliers(q, posture.ground_reactions))[np.ix_(places, places)] @ N
+    )
     assert np.abs(N.T @ system.stiffness @ N - expected).max() <= 1e-9 * np.abs(expected).max()
 
 
@@ -185,7 +140,7 @@ def test_bennetts_linkage_moves():
         "third", (a, 0, 0), "ground", (-b, 0, 0), kind="hinge", rotation1=(alpha, 0, 0), rotation2=(-beta, 0, 0), name="last"
     )
     stiffness, rest = {"j1": 30.0}, {"j1": 1.0}
-    described = Linkage(*robot_of(text, loops=[loop], joint_stiffness=stiffness, joint_rest=rest), {})
+    described = linkage(text, {}, loops=[loop], joint_stiffness=stiffness, joint_rest=rest)
     # tan(t1/2) tan(t2/2) = sin((alpha + beta)/2) / sin((beta - alpha)/2), opposite angles equal and opposite
     t1 = 1.0
     t2 = 2 * np.arctan(np.sin((beta + alpha) / 2) / np.sin((beta - alpha) / 2) / np.tan(t1 / 2))

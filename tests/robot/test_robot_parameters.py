@@ -1,27 +1,31 @@
 """Numbers of robots as parameters, against differences of whole robots: built, balanced and linearized again."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import mbconstrained as mb
+from mbconstrained.scene.build.robot_file import robot_arguments
+from tests.robot.linkages import GROUND, joint, link, urdf
 
 ROBOTS = Path(__file__).parents[2] / "robots"
 
 #: Central differences of order 8 (Fornberg 1988).
 WEIGHTS = (4 / 5, -1 / 5, 4 / 105, -1 / 280)
 
-PENDULUM = """<robot name="pendulum"><link name="ground"/><link name="rod"><inertial><mass value="2"/>
-<origin xyz="0 0 -0.5"/><inertia ixx="0.1" iyy="0.1" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial></link>
-<link name="tool"><inertial><mass value="0.5"/><origin xyz="0.05 0 0" rpy="0.3 0 0.2"/>
-<inertia ixx="0.01" iyy="0.02" izz="0.015" ixy="0.001" ixz="0" iyz="0"/></inertial></link>
-<link name="second"><inertial><mass value="1"/><origin xyz="0 0 -0.3"/>
-<inertia ixx="0.05" iyy="0.05" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial></link>
-<joint name="hinge" type="continuous"><parent link="ground"/><child link="rod"/><axis xyz="0 1 0"/></joint>
-<joint name="mounting" type="fixed"><parent link="rod"/><child link="tool"/><origin xyz="0 0 -0.8" rpy="0 0.4 0"/></joint>
-<joint name="knee" type="continuous"><parent link="rod"/><child link="second"/><origin xyz="0 0 -1"/><axis xyz="0 1 0"/></joint>
-</robot>"""
+ROD = link("rod", 2.0, (0, 0, -0.5), (0.1, 0.1, 0.01)), joint("hinge", "frame", "rod", "continuous", axis=(0, 1, 0))
+
+#: Two links, a tool that is fixed to the first.
+ARM = urdf(
+    GROUND,
+    *ROD,
+    link("tool", 0.5, (0.05, 0, 0), (0.01, 0.02, 0.015, 0.001, 0, 0), (0.3, 0, 0.2)),
+    link("second", 1.0, (0, 0, -0.3), (0.05, 0.05, 0.01)),
+    joint("mounting", "rod", "tool", "fixed", at=(0, 0, -0.8), turned=(0, 0.4, 0)),
+    joint("knee", "rod", "second", "continuous", at=(0, 0, -1), axis=(0, 1, 0)),
+)
 
 NUMBERS = {
     "hinge.stiffness": 12.0,
@@ -41,10 +45,10 @@ NUMBERS = {
 
 
 def arm(**changed):
-    """Two links, a tool that is fixed to the first, a load on the second; every number of it by name."""
+    """The arm with a load on its second link and springs; every number of it by name."""
     p = NUMBERS | changed
     robot = mb.Robot(
-        PENDULUM,
+        ARM,
         joint_stiffness={"hinge": p["hinge.stiffness"], "knee": p["knee.stiffness"]},
         joint_rest={"hinge": 0.6, "knee": -0.8},
         joint_damping={"hinge": p["hinge.damping"]},
@@ -103,10 +107,7 @@ def test_each_number_of_an_arm(sensitivities, name):
 def test_a_pendulum_on_a_spring_in_closed_form():
     """m g l sin q + k (q - r) = 0 and w^2 = (m g l cos q + k) / J: the derivative by k has a part of the angle q, which k changes."""
     k, r, pull, inertia = 6.0, 1.2, 2 * 9.81 * 0.5, 0.1 + 2 * 0.5**2
-    urdf = PENDULUM[: PENDULUM.index('<link name="tool">')] + PENDULUM[PENDULUM.index('<joint name="hinge"') :]
-    robot = mb.Robot(
-        urdf[: urdf.index('<joint name="mounting"')] + "</robot>", joint_stiffness={"hinge": k}, joint_rest={"hinge": r}
-    )
+    robot = mb.Robot(urdf(GROUND, *ROD), joint_stiffness={"hinge": k}, joint_rest={"hinge": r})
     posture = robot.equilibrium({"hinge": 0.5})
     q, d = posture["hinge"], robot.linearize(posture).sensitivities()
     moved = -(q - r) / (pull * np.cos(q) + k)
@@ -120,8 +121,6 @@ def test_a_pendulum_on_a_spring_in_closed_form():
 def scene(folder, **changed):
     """A robot of the collection with changed numbers in its posture."""
     data = mb.read_robot(ROBOTS / folder)[1]
-    from mbconstrained.scene.build.robot_file import robot_arguments
-
     arguments = robot_arguments(data.table, data.names, data.place) | changed
     robot = mb.Robot(data.names.path, **arguments)
     return robot.linearize(robot.equilibrium(**data.posture)), arguments
@@ -142,16 +141,14 @@ def test_a_loop():
 def test_flexible_joints():
     """Gears of an arm with seven motors."""
     system, arguments = scene("seven_joint_arm")
-    name, joint = next(iter(arguments["flexible_joints"].items()))
+    name, gear = next(iter(arguments["flexible_joints"].items()))
     d = system.sensitivities([f"{name}.stiffness"])
 
     def eigenvalues(k):
-        from dataclasses import replace
-
-        changed = {**arguments["flexible_joints"], name: replace(joint, stiffness=k)}
+        changed = {**arguments["flexible_joints"], name: replace(gear, stiffness=k)}
         return scene("seven_joint_arm", flexible_joints=changed)[0].modes().eigenvalues
 
-    agree(d, f"{name}.stiffness", difference(eigenvalues, joint.stiffness))
+    agree(d, f"{name}.stiffness", difference(eigenvalues, gear.stiffness))
 
 
 @pytest.mark.long

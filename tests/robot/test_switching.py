@@ -260,7 +260,7 @@ def test_a_rocking_block_has_the_times_and_the_ratio_of_speeds_of_housner():
     "start",
     [
         {"velocity": {"base rx": 0.5}},
-        {"velocity": {"base z": 0.5}},
+        pytest.param({"velocity": {"base z": 0.5}}, marks=pytest.mark.long),
         pytest.param({"velocity": {"base z": -0.5}}, marks=pytest.mark.long),
         pytest.param({"displacement": {"base z": 0.05}}, marks=pytest.mark.long),
     ],
@@ -269,7 +269,7 @@ def test_four_feet_never_pass_the_ground_nor_pull(start):
     """Feet land at once and one after another; where one can neither stick nor lift off it slides, and an impulse that pulls is reported."""
     robot, data = mb.read_robot("robots/quadruped")
     machine = robot.linearize(robot.equilibrium(**data.posture)).with_switches(*(mb.LiftingFoot(loop.name) for loop in robot.loops))
-    x, times = machine.solve(**start, end=0.4), np.linspace(0.0, 0.4, 801)
+    x, times = machine.solve(**start, end=0.2), np.linspace(0.0, 0.2, 401)
     names = [row.name for row in x._reaction_rows]
     for switch in machine.switches:
         assert (switch.contact.row @ x(times)).min() > -1e-12
@@ -305,15 +305,10 @@ def test_a_loop_that_closes_in_motion_is_pinocchios_impulse(kind):
     )
     event, released = x.events
     assert (event.time, released.time) == (0.004, 0.01) and not released.impulses
-    closed = arm(loops=[loop]) if kind != "rigid" else None
-    J = tip_jacobian(robot, posture)
     before = x.velocity(0.004) - event.jump[1]
-    if closed is not None:
+    J = np.eye(3)  # of a rigid loop, which blocks all three joints
+    if kind != "rigid":
         J = robot.linearize(posture).with_switches(mb.ClosingLoop(loop, at=1.0)).phase("closed").constraint_matrix
-    else:
-        model, data = robot.model, robot.model.createData()
-        pin.computeJointJacobians(model, data, posture.configuration)
-        J = np.vstack([J, np.eye(3)])  # all three joints are blocked
     data = robot.model.createData()
     _, s, vt = np.linalg.svd(J)
     rows = vt[: int((s > 1e-9 * s[0]).sum())]

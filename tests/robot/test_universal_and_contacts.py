@@ -76,21 +76,6 @@ def test_a_universal_loop_moves_as_two_hinges_with_a_cross_almost_without_mass()
     assert frequencies[1] == pytest.approx(frequencies[0], rel=1e-8) and len(frequencies[1]) == 2
 
 
-def test_the_geometric_stiffness_of_a_universal_loop_is_the_derivative_of_its_force():
-    """A torque along the shaft that hangs on the joint works on the right angle: the stiffness has a part of its multiplier."""
-    robot = cardan()
-    posture = robot.equilibrium({"first": 0.4, "second": 0.45}, hold=["first"], forces={"second": 3.0})
-    balance, multipliers, h = posture.balance, posture.multipliers, 1e-4
-    steps = h * np.eye(2)
-
-    def force(step):
-        return type(balance)(balance.tree, balance.load, balance.tree.moved(posture.configuration, step)).jacobian.T @ multipliers
-
-    expected = np.array([(8 * (force(e) - force(-e)) - (force(2 * e) - force(-2 * e))) / (12 * h) for e in steps])
-    assert np.abs(multipliers).max() > 1
-    assert np.sum(balance.geometric(multipliers), axis=0) == pytest.approx(expected, abs=1e-9)
-
-
 def standing(patch, centre, friction=0.5, **options) -> mb.Robot:
     foot = mb.Loop("box", (0, 0, 0), "ground", kind="rigid", friction=friction, patch=patch, name="sole", **options)
     return mb.Robot(urdf(link("box", 4.0, centre, (0.1, 0.1, 0.1))), base="free", loops=[foot])

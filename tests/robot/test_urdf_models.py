@@ -86,3 +86,49 @@ def test_trees_have_the_matrices_of_mujoco(seed):
     forces = data.qfrc_bias[places]
     np.testing.assert_allclose(robot.tree.gravity(own), forces, rtol=0, atol=1e-12 * weight(truth))
     np.testing.assert_allclose(np.diag(system.damping), model.dof_damping[places], rtol=0, atol=1e-12)
+
+
+#: A pendulum of 1 kg and 0.5 m.
+BODY = (
+    '<inertial><origin xyz="0 0 -0.5"/><mass value="1"/><inertia ixx=".01" iyy=".01" izz=".01" ixy="0" ixz="0" iyz="0"/></inertial>'
+)
+AXIS = '<parent link="base"/><child link="a"/><axis xyz="0 1 0"/>'
+
+
+def pendulum(extra):
+    joint = f'<joint name="j" type="continuous">{AXIS}</joint>'
+    return (
+        f'<robot name="r" xmlns:drake="http://drake.mit.edu"><link name="base"/><link name="a">{BODY}</link>{joint}{extra}</robot>'
+    )
+
+
+def test_bushings_of_drake_are_read():
+    ends = '<drake:bushing_frameA name="base"/><drake:bushing_frameC name="a"/><drake:bushing_torque_stiffness value="5 5 5"/>'
+    robot = mb.Robot(pendulum(f"<drake:linear_bushing_rpy>{ends}</drake:linear_bushing_rpy>"))
+    (frequency,) = robot.linearize(robot.equilibrium()).modes().natural_frequencies
+    assert frequency == pytest.approx(np.sqrt((9.81 * 0.5 + 5) / 0.26), rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    "extra, name",
+    [
+        ('<gazebo reference="a"><dampingFactor>0.1</dampingFactor></gazebo>', "dampingFactor"),
+        ('<gazebo reference="a"><turnGravityOff>true</turnGravityOff></gazebo>', "turnGravityOff"),
+        ("<drake:tendon_constraint/>", "tendon_constraint"),
+        ('<mujoco><compiler boundmass="0.1"/></mujoco>', "boundmass"),
+        ('<gazebo><plugin name="p" filename="libbuoyancy.so"/></gazebo>', "libbuoyancy"),
+    ],
+)
+def test_tags_that_may_act_and_are_not_read_are_doubtful(extra, name):
+    notices = mb.Robot(pendulum(extra)).description_notices
+    assert [notice for notice in notices if notice.doubtful and name in notice.text]
+
+
+def test_mimics_that_follow_each_other_in_a_circle_are_named():
+    joints = "".join(
+        f'<link name="l{n}">{BODY}</link><joint name="{own}" type="continuous"><parent link="base"/><child link="l{n}"/>'
+        f'<mimic joint="{other}"/></joint>'
+        for n, (own, other) in enumerate(["xy", "yz", "zx"])
+    )
+    with pytest.raises(mb.InputError, match='"x" -> "y" -> "z" -> "x"'):
+        mb.Robot(pendulum(joints))

@@ -28,6 +28,16 @@ end = "5 s"
 points = 11
 """
 
+MACHINE = """
+[model]
+kind = "lumped"
+mass = [{ name = "machine", mass = "2 kg" }]
+spring = [{ between = ["ground", "machine"], stiffness = "200 N/m" }]
+damper = [{ between = ["ground", "machine"], damping = "4 N*s/m" }]
+[time]
+end = 1
+"""
+
 MATRICES = """
 [model]
 kind = "matrices"

@@ -78,7 +78,7 @@ class ExactDelayedResponse(ExactResponse):
                         total[: len(term.coefficients), at, other * r : (other + 1) * r] += term.coefficients.astype(object)
             start = np.zeros((powers - 1, r * count))
             start[: len(initial), :r] = initial
-            matrix = RationalMatrix([[list(row) for row in matrix] for matrix in total.tolist()])
+            matrix = RationalMatrix(total.tolist())
             self._whole[count] = sums, ExactResponse(matrix, start.tolist(), sources_of(force.mapped(np.eye(r * count, r))))
         return self._whole[count][1]
 

@@ -29,17 +29,6 @@ class ExactBoundary(ExactResponse):
     """The exact solution of A(d/dt) x = f with as many values at both ends as there are finite zeros.
 
     x_p is the motion from zero values at 0- under f, x_j are independent free motions.
-
-    Args:
-        matrix: A(s), regular.
-        degree: q.
-        sources: f.
-        values: the values at both ends.
-        duration: T in s.
-        rows: the requested rows of x, all by default.
-
-    Raises:
-        InputError: more or fewer values than finite zeros.
     """
 
     def __init__(

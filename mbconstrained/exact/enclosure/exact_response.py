@@ -39,7 +39,7 @@ from ..rational import (
     regular_matrix,
     working_precision,
 )
-from .exact_sources import ONE, ExactSource, Factor, S, Shape, added, ball, delta, sources_of, vector_of
+from .exact_sources import ONE, ExactSource, Factor, S, Shape, added, ball, sources_of, vector_of
 from .intervals import Enclosure, bits_of, has_digits
 
 #: Bits to begin with, beyond those of the requested digits.
@@ -210,33 +210,40 @@ class Begun:
 
     def at(self, times: Sequence[flint.fmpq]) -> tuple[flint.fmpz_mat, flint.fmpz, flint.arb_mat]:
         """Exact parts at some times, with a common denominator, and parts in balls, both of shape (T, r)."""
-        weights: list[list[flint.arb]] = []
-        columns: list[list[flint.arb]] = []
+        factors: list[list[flint.acb]] = []
+        columns: list[list[flint.acb]] = []
         since = [flint.arb(time) for time in times]
         for pole in self._modes.values():
-            value = pole.value
-            exponentials = [(value * time).exp() for time in since]
+            exponentials = [(pole.value * time).exp() for time in since]
             for k, column in enumerate(pole.columns):
                 if k:
                     exponentials = [one * (time / k) for one, time in zip(exponentials, times)]
-                weights += [[one.real for one in exponentials], [one.imag for one in exponentials]]
-                columns += [[c.real * pole.weight for c in column], [-c.imag * pole.weight for c in column]]
-        for k, coefficients in enumerate(self._balls):
-            weights.append([flint.arb(time**k / factorial(k)) for time in times])
-            columns.append(coefficients)
-        balls = flint.arb_mat(weights).transpose() * flint.arb_mat(columns) if columns else flint.arb_mat(len(times), self.size)
-        return *self._exact_at(times), balls
-
-    def _exact_at(self, times: Sequence[flint.fmpq]) -> tuple[flint.fmpz_mat, flint.fmpz]:
-        """Exact parts in whole numbers, without greatest common divisors."""
+                factors.append(exponentials)
+                columns.append([c * pole.weight for c in column])
+        for k, column in enumerate(self._balls):
+            factors.append([flint.acb(flint.arb(time**k / factorial(k))) for time in times])
+            columns.append([flint.acb(c) for c in column])
+        balls = real_sums(factors, columns, len(times), self.size)
         if not self._exact:
-            return flint.fmpz_mat(len(times), self.size), flint.fmpz(1)
+            return flint.fmpz_mat(len(times), self.size), flint.fmpz(1), balls
+        # in whole numbers, without greatest common divisors
         highest, of_times = len(self._exact) - 1, lcm(*(int(time.q) for time in times))
         steps = [time.p * (of_times // time.q) for time in times]
-        columns, scale = flint.fmpq_mat([[c / factorial(k) for c in own] for k, own in enumerate(self._exact)]).numer_denom()
+        numerators, scale = flint.fmpq_mat([[c / factorial(k) for c in own] for k, own in enumerate(self._exact)]).numer_denom()
         unit = flint.fmpz(of_times)
         powers = flint.fmpz_mat([[step**k * unit ** (highest - k) for k in range(highest + 1)] for step in steps])
-        return powers * columns, scale * unit**highest
+        return powers * numerators, scale * unit**highest, balls
+
+
+def real_sums(
+    factors: Sequence[Sequence[flint.acb]], columns: Sequence[Sequence[flint.acb]], count: int, size: int
+) -> flint.arb_mat:
+    """The real parts of sums of factors (count,) times columns (size,), shape (count, size)."""
+    if not (columns and count and size):
+        return flint.arb_mat(count, size)
+    left = [part for own in factors for part in ([f.real for f in own], [f.imag for f in own])]
+    right = [part for own in columns for part in ([c.real for c in own], [-c.imag for c in own])]
+    return flint.arb_mat(left).transpose() * flint.arb_mat(right)
 
 
 def _add_moved(columns: list[list], given: Sequence[list], begin: flint.fmpq, factor, size: int) -> None:
@@ -397,24 +404,14 @@ class ExactResponse(Displayed):
 
     @cached_property
     def _from_start(self) -> RationalResponse:
-        """The response to sources from t = 0 on with a rational factor, and to the values at 0-, which act as impulses.
-
-        X_in is the sum of A_i s^(i-1-j) x^(j)(0-), j < i (Moysis et al., section 3).
-        """
-        r, below = self.matrix.size, ONE
-        columns = [flint.fmpq_mat([[entry] for entry in row]) for row in self.initial]
-        now = [
-            ExactSource(delta(i - 1 - j), tuple((matrix * columns[j]).entries()), ZERO, flint.fmpq(1))
-            for i, matrix in enumerate(self.matrix.coefficients)
-            for j in range(i)
-        ]
-        now += [source for source in self.sources if _is_immediate(source)]
+        """The response to sources from t = 0 on with a rational factor, and to the values at 0-, which act as impulses."""
+        now, below = [source for source in self.sources if _is_immediate(source)], ONE
         for source in now:
             below = below * (source.shape.denominator // below.gcd(source.shape.denominator))
-        total = [flint.fmpq_poly([0])] * r
+        total = [entry * below for entry in start_transform(self.matrix.coefficients, self.initial)]
         for source in now:
             above = source.shape.numerator * (below // source.shape.denominator) * source.factor
-            total = [total[k] + above * source.vector[k] for k in range(r)]
+            total = [entry + above * own for entry, own in zip(total, source.vector)]
         return RationalResponse(self.matrix, total, below, self.rows)
 
     def _called(self) -> Iterator[Part]:
@@ -543,6 +540,16 @@ class ExactResponse(Displayed):
         return [flint.arb(a) + b for a, b in zip(exact, balls)]
 
 
+def start_transform(coefficients: Sequence[flint.fmpq_mat], initial: Sequence[Sequence[flint.fmpq]]) -> list[flint.fmpq_poly]:
+    """X_in(s) = sum of A_i s^(i-1-j) x^(j)(0-), j < i (Moysis et al., section 3)."""
+    vectors = [flint.fmpq_mat([[entry] for entry in row]) for row in initial]
+    powers = [flint.fmpq_mat(coefficients[0].nrows(), 1) for _ in coefficients]
+    for i, matrix in enumerate(coefficients):
+        for j in range(i):
+            powers[i - 1 - j] += matrix * vectors[j]
+    return [flint.fmpq_poly(list(entries)) for entries in zip(*(power.entries() for power in powers))]
+
+
 def _as_floats(columns: list[list[flint.arb]]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """The nearest float64 numbers of columns, bounds of their errors, shape (r, T), and which columns are certainly rounded."""
     values = np.array([[float(entry) for entry in column] for column in columns]).T
@@ -623,7 +630,6 @@ def exact_fraction_response(
 
 def exact_combination(row: np.ndarray, A: PolynomialMatrix, initial: np.ndarray, force: ImpulsiveSmooth) -> ExactResponse:
     """The function N(d/dt) f with the values at 0-, N(s) (F(s) + X_in(s)), for a polynomial row N, shape (degree + 1, m)."""
-    unit, one = (flint.fmpq(1),), flint.fmpq(1)
     polynomials = [polynomial(column) for column in row.T]
     sources = [
         replace(source, shape=Shape(source.shape.numerator * p, source.shape.denominator), vector=(entry,))
@@ -631,12 +637,9 @@ def exact_combination(row: np.ndarray, A: PolynomialMatrix, initial: np.ndarray,
         for p, entry in zip(polynomials, source.vector)
         if p and entry
     ]
-    for power, matrix in enumerate(known_matrix(A).coefficients):
-        for i in range(power):
-            vector = (matrix * flint.fmpq_mat([[entry] for entry in vector_of(initial[i])])).entries()
-            shape = sum((p * entry for p, entry in zip(polynomials, vector)), flint.fmpq_poly([0])) * S ** (power - 1 - i)
-            if shape:
-                sources.append(ExactSource(Shape(shape), unit, ZERO, one))
+    start = start_transform(known_matrix(A).coefficients, [vector_of(row) for row in initial])
+    if shape := sum((p * entry for p, entry in zip(polynomials, start)), flint.fmpq_poly([0])):
+        sources.append(ExactSource(Shape(shape), (flint.fmpq(1),), ZERO, flint.fmpq(1)))
     return ExactResponse(RationalMatrix([[[1]]]), np.zeros((0, 1)), sources)
 
 

@@ -18,8 +18,8 @@ import numpy as np
 from ...polynomial.polynomial_matrix import PolynomialMatrix
 from ...signals.sequences import GeometricSequence, GeometricTerm, stirling_numbers
 from ..rational import RationalMatrix, exact_value, rational, rational_matrix, working_precision
-from .exact_response import MOST_BITS, ROUNDED_BITS, SMALLEST_EXPONENT, Inverse, RationalResponse
-from .exact_sources import ball, phase_factors
+from .exact_response import MOST_BITS, ROUNDED_BITS, SMALLEST_EXPONENT, Inverse, RationalResponse, real_sums, start_transform
+from .exact_sources import ball, phase_factors, vector_of
 
 #: Bits of the first attempt, and of ratios e^(a + i w), whose error then does not matter up to any k that has a value in float64.
 FIRST_BITS, RATIO_BITS = 128, 600
@@ -38,8 +38,8 @@ class RealizedMatrix:
 
     def __init__(self, C: np.ndarray, J: np.ndarray, B: np.ndarray, H: Sequence[np.ndarray]):
         self._pencil = RationalMatrix([(-J).tolist(), np.eye(len(J)).tolist()]) if len(J) else None
-        self._C, self._B = exact_matrix(C), exact_matrix(B)
-        self._H = [exact_matrix(matrix) for matrix in H]
+        self._C, self._B = exact_rows(C), exact_rows(B)
+        self._H = [exact_rows(matrix) for matrix in H]
         self.size = len(C)
 
     @property
@@ -58,7 +58,7 @@ class RealizedMatrix:
         return total
 
 
-def exact_matrix(matrix: np.ndarray) -> list[list[flint.fmpq]]:
+def exact_rows(matrix: np.ndarray) -> list[list[flint.fmpq]]:
     return [[rational(entry) for entry in row] for row in np.asarray(matrix).tolist()]
 
 
@@ -77,10 +77,11 @@ def response_to(
     inverse: Inverse, A: PolynomialMatrix, initial: np.ndarray, sequence: GeometricSequence | None, matrix: np.ndarray | None = None
 ) -> RationalResponse:
     """The response to a start of shape (q, r) and to a force in closed form, a sequence or the product of a matrix with it."""
-    b, below = start_transform([rational_matrix(one) for one in A.exact_coefficients], initial.tolist()), ONE_POLYNOMIAL
+    coefficients = [rational_matrix(one) for one in A.exact_coefficients]
+    b, below = start_transform(coefficients, [vector_of(row) for row in initial.tolist()]), ONE_POLYNOMIAL
     if sequence is not None:
         own, below = transform_of(sequence)
-        own = own if matrix is None else applied(exact_matrix(matrix), own)
+        own = own if matrix is None else applied(exact_rows(matrix), own)
         b = [one * below + other for one, other in zip(b, own)]
     return RationalResponse(inverse, b, below, range(A.size))
 
@@ -90,20 +91,9 @@ def rows_before(response: RationalResponse) -> list[np.ndarray]:
     return [np.array([float(flint.arb(entry)) for entry in column]) for column in response.impulses]
 
 
-# Transforms of the start and of sequences in closed form.
+# Transforms of sequences in closed form.
 
 Transform = tuple[list[flint.fmpq_poly], flint.fmpq_poly]
-
-
-def start_transform(coefficients: Sequence[flint.fmpq_mat], initial: Sequence[Sequence]) -> list[flint.fmpq_poly]:
-    """X_in(z) = sum over j and l < j of A_j x_l z^(j-1-l), of values x_0 ... x_(q-1)."""
-    r, q = coefficients[0].nrows(), len(coefficients) - 1
-    vectors = [flint.fmpq_mat([[rational(entry)] for entry in row]) for row in initial]
-    columns = [flint.fmpq_mat(r, 1) for _ in range(max(q, 1))]
-    for j in range(1, q + 1):
-        for order in range(j):
-            columns[j - 1 - order] += coefficients[j] * vectors[order]
-    return [flint.fmpq_poly([column[i, 0] for column in columns]) for i in range(r)]
 
 
 def transform_of(sequence: GeometricSequence) -> Transform:
@@ -169,25 +159,18 @@ def _middle(ball: flint.arb) -> flint.fmpq:
 
 def closed_values(response: RationalResponse, indices: Sequence[int]) -> list[list[flint.arb]]:
     """x_k of the strictly proper part, one row (r,) of balls for each k."""
-    weights: list[list[flint.arb]] = []
-    columns: list[list[flint.arb]] = []
+    factors: list[list[flint.acb]] = []
+    columns: list[list[flint.acb]] = []
     for pole in response.poles(0):
         for j, column in enumerate(pole.columns):
-            factors = [pole.value ** (k - j) * comb(k, j) if k >= j else flint.acb(0) for k in indices]
-            weights += [[one.real for one in factors], [one.imag for one in factors]]
-            columns += [[c.real * pole.weight for c in column], [-c.imag * pole.weight for c in column]]
-    rows = _combined(weights, columns, len(indices), response.size)
+            factors.append([pole.value ** (k - j) * comb(k, j) if k >= j else flint.acb(0) for k in indices])
+            columns.append([c * pole.weight for c in column])
+    rows = real_sums(factors, columns, len(indices), response.size).tolist()
     at_zero = response.at_zero
     for row, k in zip(rows, indices):
         if k < len(at_zero):
             row[:] = [a + flint.arb(c) for a, c in zip(row, at_zero[k])]
     return rows
-
-
-def _combined(weights, columns, count: int, size: int) -> list[list[flint.arb]]:
-    if not columns or not size or not count:
-        return [[flint.arb(0)] * size for _ in range(count)]
-    return (flint.arb_mat(weights).transpose() * flint.arb_mat(columns)).tolist()
 
 
 # Forces given by their values: x_k = sum over i <= k - 1 of H_(i-k) f_i + sum over i >= 0 of H_i f_(k+i).
@@ -234,7 +217,7 @@ class ForceSums:
     def at(self, indices: Sequence[int]) -> tuple[list[list[flint.arb]], list[flint.arb]]:
         """x_k for ascending k at the working precision, and bounds of the errors of the recursion."""
         chains, columns, radii, relative = self._chains()
-        lines: list[list[flint.arb]] = []
+        lines: list[list[flint.acb]] = []
         errors, number = [], 0
         weights = [max((abs(c).abs_upper() for c in column), default=flint.arb(0)) for column in columns]
         for k in indices:
@@ -247,14 +230,9 @@ class ForceSums:
             present = [(chain.states, chain.sizes) if number == k else chain.later(k - number) for chain in chains]
             states = [state for own, _ in present for state in own]
             sizes = [size for _, own in present for size in own]
-            lines.append([part for state in states for part in (state.real, state.imag)])
+            lines.append(states)
             errors.append(sum(((relative * (4 * k + 16) * w + r) * s for w, r, s in zip(weights, radii, sizes)), flint.arb(0)))
-        table = [entry for column in columns for entry in ([c.real for c in column], [-c.imag for c in column])]
-        rows = (
-            (flint.arb_mat(lines) * flint.arb_mat(table)).tolist()
-            if table and indices
-            else [[flint.arb(0)] * self.size for _ in indices]
-        )
+        rows = real_sums(list(zip(*lines)), columns, len(indices), self.size).tolist()
         for row, k in zip(rows, indices):
             row[:] = [a + flint.arb(b) for a, b in zip(row, self._direct(k))]
         return rows, errors

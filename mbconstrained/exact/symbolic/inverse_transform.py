@@ -277,13 +277,7 @@ class Quotient:
 
 
 class ResponseTransform:
-    """X(s) = A(s)^-1 b(s) of several sources, over the field with the symbols and numbers of A and of the sources.
-
-    Args:
-        A: degree q, size r.
-        sources: with one start.
-        field: field of A and of the sources, and of others where they are needed.
-    """
+    """X(s) = A(s)^-1 b(s) of sources with one start, over the field of A and of the sources, or of others where they are needed."""
 
     def __init__(self, A: SymbolicPolynomialMatrix, sources: Iterable[SymbolicSource], field: Domain | None = None):
         self.A, self.sources = A, list(sources)

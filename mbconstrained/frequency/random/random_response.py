@@ -153,15 +153,10 @@ NEXT_TO_ZERO = 1e-2
 
 @dataclass(frozen=True, eq=False)
 class Existence:
-    """Reasons why integrals of f^k G(f) are infinite.
+    """Reasons why integrals of f^k G(f) are infinite."""
 
-    Attributes:
-        reasons: for each power k and output a sentence, "" where the integral is finite, shape (K, p).
-        white_part: the one-sided intensity per Hz of the white part of each output, shape (p,); infinite where it is rougher than white noise.
-    """
-
-    reasons: np.ndarray
-    white_part: np.ndarray
+    reasons: np.ndarray  # for each power k and output a sentence, "" where the integral is finite, shape (K, p)
+    white_part: np.ndarray  # one-sided intensity per Hz of the white part of each output; infinite where it is rougher, shape (p,)
 
 
 def existence(transfer: SpectralTransfer, spectra: SpectralMatrix, powers: tuple[int, ...], units: tuple[str, ...]) -> Existence:

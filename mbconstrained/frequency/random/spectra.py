@@ -19,16 +19,10 @@ from ...ground.tolerances import SPECTRAL_ACCURACY
 
 @dataclass(frozen=True)
 class PowerLaw:
-    """G(f) = level (f / lower)^exponent between two corner frequencies; a constant where the exponent is 0.
-
-    Attributes:
-        lower, upper: in Hz; the upper one may be infinite where the exponent is 0.
-        level: G at the lower corner.
-        exponent: slope in a plot with two logarithmic axes.
-    """
+    """G(f) = level (f / lower)^exponent between two corner frequencies in Hz; a constant where the exponent is 0."""
 
     lower: float
-    upper: float
+    upper: float  # may be infinite where the exponent is 0
     level: complex
     exponent: float = 0.0
 
@@ -56,17 +50,12 @@ class PowerLaw:
 
 @dataclass(frozen=True)
 class Line:
-    """G(f) = level + slope_per_hz (f - lower) between two corner frequencies.
-
-    Attributes:
-        lower, upper: in Hz.
-        level, end: G at both.
-    """
+    """A straight line between two corner frequencies in Hz."""
 
     lower: float
     upper: float
-    level: complex
-    end: complex
+    level: complex  # G at the lower corner
+    end: complex  # and at the upper one
 
     slope = 0
 
@@ -96,16 +85,10 @@ class Line:
 
 @dataclass(frozen=True)
 class Rational:
-    """G(f) = intensity |F(i w)|^2, F(s) = numerator(s) / denominator(s), w = 2 pi f: white noise through a filter.
+    """G(f) = intensity |F(i w)|^2, F(s) = numerator(s) / denominator(s), w = 2 pi f: white noise through a filter."""
 
-    Attributes:
-        intensity: intensity of the white noise, one-sided per Hz.
-        numerator, denominator: coefficients, highest power first.
-        lower, upper: 0 and infinity.
-    """
-
-    intensity: float
-    numerator: tuple[float, ...]
+    intensity: float  # of the white noise, one-sided per Hz
+    numerator: tuple[float, ...]  # coefficients, highest power first
     denominator: tuple[float, ...]
     lower: float = 0.0
     upper: float = np.inf

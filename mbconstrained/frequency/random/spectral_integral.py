@@ -34,15 +34,12 @@ MOST_SLICES = 8
 
 @dataclass(frozen=True, eq=False)
 class RefinedPole(Pole):
-    """A pole p = sigma + i w of H(s), with sigma accurate relative to itself.
+    """A pole p = sigma + i w of H(s), with sigma accurate relative to itself."""
 
-    Attributes:
-        on_axis: whether sigma is zero.
-        sizes: of the terms that residues are sums of, shape (order, p, m); some of their rounding errors are errors of the residues.
-    """
-
-    on_axis: bool
-    sizes: np.ndarray
+    on_axis: bool  # whether sigma is zero
+    sizes: (
+        np.ndarray
+    )  # of terms that residues are sums of; some of their rounding errors are errors of the residues, shape (order, p, m)
 
     @property
     def frequency(self) -> complex:
@@ -293,17 +290,11 @@ TAIL_NODES, TAIL_WEIGHTS = np.polynomial.laguerre.laggauss(32)
 
 @dataclass(frozen=True, eq=False)
 class SpectralIntegral:
-    """Integrals of f^k G(f) df over f > 0, G the one-sided spectra of p outputs.
+    """Integrals of f^k G(f) df over f > 0, G the one-sided spectra of p outputs."""
 
-    Attributes:
-        values: complex, Hermitian, shape (K, p, p), for each power.
-        errors: estimates of the absolute errors of the diagonals, shape (K, p).
-        parts: of the diagonals, from each edge to the next, shape (number of edges - 1, K, p).
-    """
-
-    values: np.ndarray
-    errors: np.ndarray
-    parts: np.ndarray
+    values: np.ndarray  # complex, Hermitian, shape (K, p, p), for each power
+    errors: np.ndarray  # estimates of the absolute errors of the diagonals, shape (K, p)
+    parts: np.ndarray  # of the diagonals, from each edge to the next, shape (number of edges - 1, K, p)
 
 
 @dataclass

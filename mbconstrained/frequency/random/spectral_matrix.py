@@ -21,21 +21,13 @@ EACH_PIECE = 9
 
 @dataclass(frozen=True, eq=False)
 class SpectralMatrix:
-    """S(f) with the spectra on the diagonal and S_ij = coherence_ij sqrt(S_i S_j) e^{-i w (delay_i - delay_j)}, or given cross spectra.
+    """S(f) with the spectra on the diagonal and S_ij = coherence_ij sqrt(S_i S_j) e^{-i w (delay_i - delay_j)}, or given cross spectra."""
 
-    Attributes:
-        names: names of the m inputs.
-        spectra: spectra of each.
-        coherence: square roots of the ordinary coherence, symmetric, shape (m, m).
-        delays: in s, shape (m,).
-        cross: given entries (i, j) with i < j.
-    """
-
-    names: tuple[str, ...]
-    spectra: tuple[Spectrum, ...]
-    coherence: np.ndarray
-    delays: np.ndarray
-    cross: Mapping[tuple[int, int], Spectrum] = field(default_factory=dict)
+    names: tuple[str, ...]  # names of the m inputs
+    spectra: tuple[Spectrum, ...]  # spectra of each
+    coherence: np.ndarray  # square roots of the ordinary coherence, symmetric, shape (m, m)
+    delays: np.ndarray  # in s, shape (m,)
+    cross: Mapping[tuple[int, int], Spectrum] = field(default_factory=dict)  # given entries (i, j) with i < j
 
     @property
     def corners(self) -> np.ndarray:

@@ -59,19 +59,13 @@ TINY = float(np.finfo(float).tiny)
 
 @dataclass(frozen=True, eq=False)
 class Extrema:
-    """The largest and the smallest value of each of r functions, and their times.
-
-    Attributes:
-        maximum, minimum: shape (r,).
-        maximum_time, minimum_time: in s, shape (r,); that of a limit from the left is the last float64 number before the jump.
-        margin: bound of the excess of the extrema over these values, shape (r,); 0 except for motions of very many periods.
-    """
+    """The largest and the smallest value of each of r functions, and their times; all of shape (r,)."""
 
     maximum: np.ndarray
     minimum: np.ndarray
-    maximum_time: np.ndarray
+    maximum_time: np.ndarray  # in s; that of a limit from the left is the last float64 number before the jump
     minimum_time: np.ndarray
-    margin: np.ndarray
+    margin: np.ndarray  # bound of the excess of the extrema over these values; 0 except for motions of very many periods
 
     @property
     def largest(self) -> np.ndarray:
@@ -107,15 +101,10 @@ def extrema(function: BohlFunction, start: float, end: float) -> Extrema:
 
 @dataclass(frozen=True, eq=False)
 class RootMeanSquares:
-    """The square root of the mean of f^2 over an interval, for each of r functions.
+    """The square root of the mean of f^2 over an interval, for each of r functions."""
 
-    Attributes:
-        values: shape (r,).
-        error_estimate: absolute, shape (r,).
-    """
-
-    values: np.ndarray
-    error_estimate: np.ndarray
+    values: np.ndarray  # shape (r,)
+    error_estimate: np.ndarray  # absolute, shape (r,)
 
 
 def root_mean_squares(

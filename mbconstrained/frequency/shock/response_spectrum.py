@@ -68,20 +68,14 @@ def _taylor(derivatives: list, tau) -> np.ndarray:
 
 
 class ShockRecord:
-    """Samples, with what all oscillators share.
-
-    Attributes:
-        times, values: shape (N,).
-        h, slopes: lengths of the intervals, and slopes, 0 where the record jumps, shape (N - 1,).
-        longest, load, steepest: the largest moduli of h, of the values and of the slopes.
-        step: the length of all intervals; None where they differ.
-    """
+    """Samples, with what all oscillators share."""
 
     def __init__(self, times: np.ndarray, values: np.ndarray):
-        """Create the record from its samples."""
+        """Create the record from its samples (N,)."""
         self.times, self.values, self.h = times, values, np.diff(times)
         with np.errstate(divide="ignore", invalid="ignore"):
-            self.slopes = np.where(self.h > 0, np.diff(values) / self.h, 0.0)
+            self.slopes = np.where(self.h > 0, np.diff(values) / self.h, 0.0)  # 0 where the record jumps
+        # The largest moduli, and the length of all intervals, None where they differ.
         self.longest, self.load, self.steepest = (np.abs(one).max(initial=0.0) for one in (self.h, values, self.slopes))
         is_even = len(self.h) > 0 and np.ptp(self.h) <= EQUAL * EPS * np.abs(times).max() and self.h[0] > 0
         self.step = (times[-1] - times[0]) / len(self.h) if is_even else None
@@ -144,15 +138,10 @@ def _phi(order: int, x: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Oscillator:
-    """y'' + 2 z w y' + w^2 y = a.
+    """y'' + 2 z w y' + w^2 y = a."""
 
-    Attributes:
-        w: natural angular frequency in rad/s; of several oscillators an array.
-        zeta: damping ratio.
-    """
-
-    w: Any
-    zeta: float
+    w: Any  # natural angular frequency in rad/s; of several oscillators an array
+    zeta: float  # damping ratio
 
     def __getitem__(self, places) -> Oscillator:
         """Some of several oscillators."""
@@ -455,22 +444,15 @@ class Oscillator:
 
 @dataclass(frozen=True, eq=False)
 class _Intervals:
-    """Intervals of a record with the motions of oscillators at their starts.
+    """Intervals of a record with the motions of oscillators at their starts, y, v = y', the value a of the record and its slope."""
 
-    Attributes:
-        which: twice the place of the oscillator, and one more for the opposite of its function, shape (K,).
-        y, v, a, slope: y and y', the value of the record and its slope.
-        h: length of the intervals.
-        limit: bound of the function inside.
-    """
-
-    which: np.ndarray
+    which: np.ndarray  # twice the place of the oscillator, and one more for the opposite of its function, shape (K,) as all others
     y: np.ndarray
     v: np.ndarray
     a: np.ndarray
     slope: np.ndarray
-    h: np.ndarray
-    limit: np.ndarray
+    h: np.ndarray  # length of the intervals
+    limit: np.ndarray  # bound of the function inside
 
     def __len__(self) -> int:
         return len(self.which)

@@ -63,51 +63,28 @@ def _bernstein() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 @dataclass(frozen=True, eq=False)
 class Crossing:
-    """The first time at which guards vanish.
+    """The first time at which guards vanish."""
 
-    Attributes:
-        time: in s, since the begin of the flow.
-        state: y there.
-        guards: places of the guards that vanish there; none where guards of unknown sign have become more than rounding errors.
-        grazing: whether the guard only touches zero.
-    """
-
-    time: float
-    state: np.ndarray
-    guards: np.ndarray
-    grazing: bool = False
+    time: float  # in s, since the begin of the flow
+    state: np.ndarray  # y there
+    guards: np.ndarray  # their places; none where guards of unknown sign have become more than rounding errors
+    grazing: bool = False  # whether the guard only touches zero
 
 
 @dataclass(frozen=True, eq=False)
 class _Level:
-    """Panels of one width.
+    """Panels of one width."""
 
-    Attributes:
-        width: h in s.
-        slow: the states that are expanded.
-        taylor: c J^k h^k / k! of guards on these states, shape (p, TERMS, m).
-        bernstein: the coefficients in the Bernstein basis, shape (p TERMS, m).
-        steps: e^{J j h}, j = 0 ... PANELS, shape (PANELS + 1, n, n).
-        fast: bounds of the fast states' part by |y|, shape (p, n).
-    """
-
-    width: float
-    slow: np.ndarray
-    taylor: np.ndarray
-    bernstein: np.ndarray
-    steps: np.ndarray
-    fast: np.ndarray
+    width: float  # h in s
+    slow: np.ndarray  # the states that are expanded
+    taylor: np.ndarray  # c J^k h^k / k! of guards on these states, shape (p, TERMS, m)
+    bernstein: np.ndarray  # the coefficients in the Bernstein basis, shape (p TERMS, m)
+    steps: np.ndarray  # e^{J j h}, j = 0 ... PANELS, shape (PANELS + 1, n, n)
+    fast: np.ndarray  # bounds of the fast states' part by |y|, shape (p, n)
 
 
 class PhaseFlow:
-    """y(t) = e^{J t} y_0 with guards g = c y - b.
-
-    Args:
-        blocks: the diagonal blocks of J.
-        rows: c of p guards, shape (p, n).
-        values: b, shape (p,).
-        longest: the longest time of interest, s.
-    """
+    """y(t) = e^{J t} y_0 by the blocks of J, up to a longest time in s, with guards g = c y - b by p rows c and values b."""
 
     def __init__(self, blocks: Sequence[np.ndarray], rows: np.ndarray, values: np.ndarray, longest: float):
         self.blocks, self.rows, self.values, self.longest = tuple(blocks), rows, values, longest
@@ -198,16 +175,10 @@ class PhaseFlow:
         return parts[0], parts[1]
 
     def orders(self, y: np.ndarray, size: np.ndarray, known: np.ndarray, time: float) -> tuple[np.ndarray, np.ndarray]:
-        """The order of the zero of each guard at the begin and its sign just after it.
+        """The order of the zero of each guard at the begin, 0 where it does not vanish, and its sign just after it.
 
-        Args:
-            y: the state.
-            size: its rounding errors relative to NOISE.
-            time: of the begin, whose rounding error counts, too.
-            known: how many derivatives of each guard, its value among them, are known to vanish there, whatever their rounding error.
-
-        Returns:
-            Orders (p,), 0 where a guard does not vanish and ORDERS where no derivative decides; signs (p,), 0 there.
+        The state y has rounding errors of a size relative to NOISE, the time of the begin has one, too. So many derivatives of each guard,
+        its value among them, are known to vanish, whatever their rounding error. Where none decides the order is ORDERS, the sign 0.
         """
         if not self.size:
             return np.zeros(0, int), np.zeros(0)
@@ -228,12 +199,8 @@ class PhaseFlow:
     ) -> Crossing | None:
         """The first time in (0, horizon] at which a guard that is positive just after the begin falls to zero.
 
-        Guards without sign are followed, too, until they are more than rounding errors: there the search ends, without a guard.
-
-        Args:
-            y, size: the state at the begin, and its rounding errors relative to NOISE.
-            order, sign: of each guard at the begin, as of ``orders``; negative ones are left out.
-            horizon: in s.
+        Guards without sign are followed, too, until they are more than rounding errors: there the search ends, without a guard. Negative
+        ones are left out. State, size, orders and signs are as of ``orders``.
         """
         if not self.size or not (sign >= 0).any() or horizon <= 0:
             return None
@@ -382,15 +349,7 @@ def first_excess(taylor: np.ndarray, size: float) -> float | None:
 
 
 def first_root(bernstein: np.ndarray, taylor: np.ndarray, noise: float) -> tuple[float | None, bool]:
-    """The first zero in [0, 1] of a polynomial that is positive at first, and whether it only touches zero.
-
-    Args:
-        bernstein, taylor: its coefficients.
-        noise: its values are known to this.
-
-    Returns:
-        The zero, None where there is none.
-    """
+    """The first zero in [0, 1] of a polynomial that is positive at first and known up to a noise, if any; and whether it only touches zero."""
     if bernstein.min() > noise:
         return None, False
     if bernstein[0] <= -noise:

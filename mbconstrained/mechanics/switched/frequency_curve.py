@@ -7,7 +7,7 @@ Dynamics, 1995, section 6.1). The multipliers of every point tell its stability 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
@@ -22,6 +22,7 @@ from ...ground.display import Displayed, TextTable, number_text
 from ...ground.errors import InputError, MbconstrainedError, NotUnique, within_float64
 from ...ground.tolerances import CLOSED_ORBIT, EPS, FREQUENCY_DIFFERENCE, LOCATED_CHANGE, SHORTEST_STEP, UNDETERMINED
 from ...signals.inputs import harmonic
+from ..harmonic_sums import complex_amplitudes
 from .periodic import Orbit, PeriodicMotion, PeriodMap, cleared, forced_orbit, newton, start_of
 
 #: Steps along the branch, in ranges of the motion and in this part of the logarithm of the range of frequencies.
@@ -44,6 +45,7 @@ JUMPED = 1e-3
 
 Kind = Literal["fold", "flip", "torus", "branch point", "grazing"]
 
+#: What happens at each kind of bifurcation.
 MEANINGS: Mapping[str, str] = {
     "fold": "the branch turns: a multiplier is 1",
     "flip": "period doubling: a multiplier is -1",
@@ -203,21 +205,9 @@ def follow(system, force_pattern, frequencies_hz, start, periods: int, most_poin
     most = whole_number(most_points, "most_points", minimum=2)
     z = None if start is None else start_of(system, start)
     with within_float64():
-        return _Branch(system, _pattern(system, force_pattern), frequencies, periods).followed(z, most)
-
-
-def _pattern(system, pattern) -> np.ndarray:
-    """The complex amplitudes of the force, shape (n,)."""
-    own = system.system
-    if isinstance(pattern, Mapping):
-        parts = [{name: getattr(complex(value), part) for name, value in pattern.items()} for part in ("real", "imag")]
-        F = own._vector(parts[0], "force_pattern") + 1j * own._vector(parts[1], "force_pattern")
-    else:
-        values = np.asarray(pattern)
-        F = real_array(values.real, "force_pattern", shape=(own.size,)) + 1j * real_array(
-            values.imag, "force_pattern", shape=(own.size,)
+        return _Branch(system, complex_amplitudes(system.system, force_pattern, "force_pattern"), frequencies, periods).followed(
+            z, most
         )
-    return F
 
 
 @dataclass(frozen=True, eq=False)
@@ -338,7 +328,7 @@ class _Branch:
         w = 2 * np.pi * self.frequencies[0] / self.periods
         map = self.map(w)
         map.check_force()
-        orbit = cleared(forced_orbit(map, z))
+        orbit = cleared(forced_orbit(map, z, np.zeros(2 * map.size)))
         direction = np.append(np.zeros(len(orbit.z)), np.sign(self.frequencies[-1] - self.frequencies[0]))
         return _Point(orbit, self._tangent(orbit, self.scales(orbit), direction))
 
@@ -439,22 +429,18 @@ class _Branch:
             f = self.periods / point.orbit.period
             text = f"at {f:.9g} Hz the number of events in a period changes from {a.count} to {b.count}"
             changes.append((share, Bifurcation("grazing", point.orbit.periodic_motion(), text)))
-        tests = {"fold": _fold, "flip": _flip, "branch point": _unit}
-        for kind, test in tests.items():
-            if kind == "branch point" and any(one.kind == "fold" for _, one in changes):
+        for kind, test in TESTS.items():
+            found = {one.kind for _, one in changes}
+            if (kind == "branch point" and "fold" in found) or (
+                kind == "torus" and (found - {"grazing"} or _outside(a) == _outside(b))
+            ):
                 continue
             own = self._located(a, b, test)
             if own is not None:
-                changes.append((own[0], self._bifurcation(kind, own[1])))
-        if not any(one.kind != "grazing" for _, one in changes) and _outside(a) != _outside(b):
-            own = self._located(a, b, _circle)
-            if own is not None:
-                changes.append((own[0], self._bifurcation("torus", own[1])))
+                share, point = own
+                text = f"at {self.periods / point.orbit.period:.9g} Hz: {MEANINGS[kind]}"
+                changes.append((share, Bifurcation(kind, point.orbit.periodic_motion(), text)))
         return [one for _, one in sorted(changes, key=lambda pair: pair[0])]
-
-    def _bifurcation(self, kind, point: _Point) -> Bifurcation:
-        text = f"at {self.periods / point.orbit.period:.9g} Hz: {MEANINGS[kind]}"
-        return Bifurcation(kind, point.orbit.periodic_motion(), text)
 
     def _at(self, known: dict[float, _Point], share: float) -> _Point:
         """The point at a share of a step, from the nearest known ones around it."""
@@ -496,24 +482,13 @@ class _Branch:
         return low, known[low]
 
 
-def _fold(point: _Point) -> float:
-    """The change of the frequency along the tangent."""
-    return float(point.tangent[-1])
-
-
-def _flip(point: _Point) -> float:
-    """It vanishes where a multiplier is -1."""
-    return float(np.prod(1 + point.multipliers).real)
-
-
-def _unit(point: _Point) -> float:
-    """It vanishes where a multiplier is 1."""
-    return float(np.prod(1 - point.multipliers).real)
-
-
-def _circle(point: _Point) -> float:
-    """It vanishes where a complex pair is on the unit circle."""
-    return float(np.abs(point.multipliers).max(initial=0.0)) - 1
+#: Functions that vanish at a point of each kind: the change of the frequency along the tangent, and products over the multipliers.
+TESTS: Mapping[Kind, Callable[[_Point], float]] = {
+    "fold": lambda point: float(point.tangent[-1]),
+    "flip": lambda point: float(np.prod(1 + point.multipliers).real),
+    "branch point": lambda point: float(np.prod(1 - point.multipliers).real),
+    "torus": lambda point: float(np.abs(point.multipliers).max(initial=0.0)) - 1,
+}
 
 
 def _outside(point: _Point) -> int:

@@ -30,12 +30,7 @@ PIVOTS = 50
 
 
 class ContactSet:
-    """Rigid contacts that touch, and what their impulses do to a phase without them.
-
-    Args:
-        phase: without the contacts, bounded forces slipping.
-        contacts: these.
-    """
+    """Rigid contacts that touch, and what their impulses do to a phase without them, in which bounded forces slip."""
 
     def __init__(self, phase: Phase, contacts: Sequence[UnilateralContact]):
         self.phase = phase
@@ -54,12 +49,7 @@ class ContactSet:
         return bool(values[0] <= DEPENDENT * len(values) * values[-1])
 
     def solve(self, before: np.ndarray, restitution: np.ndarray, size: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The impulses of contacts, and which of them are at rest afterwards.
-
-        Args:
-            before: their velocities, whose terms have the moduli ``size``.
-            restitution: of each.
-        """
+        """The impulses of contacts, and which are at rest afterwards, from their velocities before, whose terms have the moduli ``size``."""
         p = impulses_of_contacts(self.mobility, before, restitution)
         p[p <= 4 * EPS * p.max(initial=0.0)] = 0.0
         after = before + self.mobility @ p
@@ -76,7 +66,7 @@ class ContactSet:
         total, own = np.eye(2 * n), np.flatnonzero(p > 0)
         if len(own):
             by = np.linalg.solve(self.mobility[np.ix_(own, own)], (1 + restitution[own])[:, None] * self.rows[own])
-            total[:, n:] -= np.vstack([self.phase.C, self.phase.V]) @ self.response[:, own] @ by
+            total[:, n:] -= self.phase.outputs @ self.response[:, own] @ by
         return total
 
 
@@ -91,15 +81,7 @@ def row_impulses(system: MechanicalSystem, other: np.ndarray, moved: np.ndarray,
 
 
 def impulses_of_contacts(W: np.ndarray, before: np.ndarray, restitution: np.ndarray) -> np.ndarray:
-    """p >= 0 with W p + (1 + e) u- >= 0, complementary, shape (k,).
-
-    Args:
-        W: velocities u by unit impulses, shape (k, k).
-        before: u-, shape (k,).
-        restitution: e, shape (k,).
-
-    Raises:
-        NotUnique: there is no solution.
+    """p >= 0 with W p + (1 + e) u- >= 0, complementary, shape (k,), from W, velocities by unit impulses; NotUnique where there is none.
 
     >>> W, u = np.array([[2.0, -1.0], [-1.0, 2.0]]), np.array([-1.0, 0.0])  # a ball meets one that touches a wall
     >>> impulses_of_contacts(W, u, np.zeros(2)).round(12).tolist()

@@ -23,6 +23,7 @@ from ...ground.tolerances import CLOSED_ORBIT, EPS, SAME_FREQUENCY, STABILITY_MA
 from ...linalg.exponential import block_states
 from ...signals.bohl import FreeRestarts
 from ...signals.inputs import term
+from ..harmonic_sums import common_rate
 from ..peaks import Peaks, peaks
 from .phase import STILL, Phase, Source
 from .sequence import MOST_EVENTS, Key, PhaseSequence, _replaced
@@ -236,13 +237,7 @@ class PeriodicMotion(Displayed):
 
 
 class PeriodMap:
-    """z after one period, from z at its start, which may be at any time of the period of the force.
-
-    Args:
-        system: the ``SwitchedSystem``.
-        force: in addition to its own.
-        period: T in s; None where it is not prescribed.
-    """
+    """z after a period T, None where it is not prescribed, from z at its start, which may be at any time of that of the force."""
 
     def __init__(self, system, force, period: float | None):
         self.system, self.force, self.period = system, force, period
@@ -264,7 +259,7 @@ class PeriodMap:
         They vanish from an order up to the second on, at all times, where as many as there are states do so after it.
         """
         source = self.source
-        G, w, listed, sizes = self._generator, source.at(time), [], []
+        G, w, listed, sizes = source.generator, source.at(time), [], []
         for _ in range(len(w) + 2):
             listed.append(source.coefficients @ w)
             sizes.append(np.abs(source.coefficients).max(axis=1) * np.abs(w).max())
@@ -272,10 +267,6 @@ class PeriodMap:
         rates = np.array(listed).T
         rates[[source.place(signal).start for signal in self.shifts.signals], 0] = 0.0
         return rates, np.array(sizes).T
-
-    @cached_property
-    def _generator(self) -> np.ndarray:
-        return scipy.linalg.block_diag(*self.source.blocks)
 
     @cached_property
     def is_autonomous(self) -> bool:
@@ -287,13 +278,10 @@ class PeriodMap:
         return self.is_smooth and not later.any()
 
     def force_period(self) -> float:
-        """The period of harmonic forces, or an InputError."""
-        rates = np.linalg.eigvals(self._generator)
-        harmonic = np.unique(np.round(np.abs(rates.imag[np.abs(rates.imag) > 0]), 12))
-        if self.is_smooth and len(harmonic) and not rates.real.any():
-            ratios = harmonic / harmonic[0]
-            if (np.abs(ratios - np.round(ratios)) <= SAME_FREQUENCY * ratios).all():
-                return 2 * np.pi / float(harmonic[0])
+        """The common period of harmonic forces, or an InputError."""
+        rates = np.linalg.eigvals(self.source.generator)
+        if self.is_smooth and not rates.real.any() and (base := common_rate(np.abs(rates.imag))):
+            return 2 * np.pi / base
         raise InputError("period: found none; the force does not tell it: give the period in s after which it repeats")
 
     def check_force(self) -> None:
@@ -334,12 +322,7 @@ class PeriodMap:
 
 
 class _Shifts:
-    """Displacements d that change no force and no condition of the system: of free bodies, and of bodies with a prescribed motion.
-
-    Attributes:
-        signals: of rows at position level, which may move on.
-        free: basis of the shifts without those of prescribed motions, shape (n, f).
-    """
+    """Displacements d that change no force and no condition of the system: of free bodies, and of bodies with a prescribed motion."""
 
     def __init__(self, system, source: Source):
         n = system.system.size
@@ -350,26 +333,22 @@ class _Shifts:
         fixed += [branch.direction[None] for state in states for branch in state.branches if branch.stiffness]
         fixed += [row.rows for state in states for row in state.rows if row.level == "position"]
         moving = {row.name: row for row in rows if row.signal is not None}.values()
-        self.signals = [row.signal for row in moving]
+        self.signals = [row.signal for row in moving]  # which may move on
         self._rows = source.coefficients[[source.place(signal).start for signal in self.signals]]
         N = _null_space(np.vstack([np.zeros((1, n)), *fixed]))
         A = np.array([row.coefficients for row in moving]).reshape(-1, n) @ N
-        self._matrix, self._solved = A, N @ np.linalg.pinv(A)
-        self.free = N @ _null_space(A)
+        self._matrix, self._inverse = A, np.linalg.pinv(A)
+        self._solved = N @ self._inverse
+        self.free = N @ _null_space(A)  # a basis of the shifts without those of prescribed motions, shape (n, f)
 
     def between(self, first: np.ndarray, last: np.ndarray) -> np.ndarray | None:
         """The shift by a change of the states of the force, shape (n,); None where there is none."""
         moved = self._rows @ (last - first)
         size = np.abs(self._rows).max(axis=1, initial=0.0) * np.abs([first, last]).max(initial=0.0)
         moved[np.abs(moved) <= np.sqrt(EPS) * size] = 0.0
-        d = self._solved @ moved
-        if np.abs(moved).max(initial=0.0) and not self._fits(moved):
-            return None
-        return d
-
-    def _fits(self, moved: np.ndarray) -> bool:
-        rest = moved - self._matrix @ (np.linalg.pinv(self._matrix) @ moved)
-        return bool(np.abs(rest).max() <= np.sqrt(EPS) * np.abs(moved).max())
+        rest = moved - self._matrix @ (self._inverse @ moved)
+        fits = (np.abs(rest) <= np.sqrt(EPS) * np.abs(moved).max(initial=0.0)).all()
+        return self._solved @ moved if fits else None
 
 
 def _null_space(matrix: np.ndarray) -> np.ndarray:
@@ -398,7 +377,7 @@ class Orbit:
         self.moved = np.zeros(2 * n)
         if shift is not None:
             self.moved[:n] = shift
-            drift_rate = map.shifts.between(np.zeros(len(source.at(offset))), map._generator @ source.at(offset))
+            drift_rate = map.shifts.between(np.zeros(len(source.at(offset))), source.generator @ source.at(offset))
             if drift_rate is not None:
                 self.rate[:n] -= drift_rate
         difference = self.end - z - self.moved
@@ -441,7 +420,7 @@ class Orbit:
         n, free, phase = self.map.size, self.map.shifts.free, self.last
         size = self.sizes
         M = self.matrix * size / size[:, None]
-        project = np.vstack([phase.C, phase.V]) @ phase.start[:, : 2 * n] * size / size[:, None]
+        project = phase.entry_map() * size / size[:, None]
         kept = round(float(np.trace(project)))
         shifts = [np.vstack([free, np.zeros_like(free)])]
         if self.map.is_autonomous:
@@ -478,29 +457,26 @@ class Orbit:
         return PeriodicMotion(motion, self.period, multipliers, own.residual(self.sizes), drift, shifts)
 
 
-def states_over(sequence: PhaseSequence, count: int) -> tuple[np.ndarray, np.ndarray, list]:
-    """Times, z there, and the segments they are in, ``count`` in each phase."""
-    times, states, segments = [], [], []
-    for segment in sequence.segments:
-        if segment.duration > 0:
-            since = np.linspace(0.0, segment.duration, count)
-            y = block_states(segment.phase.blocks, np.tile(segment.state[:, None], count), since)
-            times.append(segment.time + since)
-            states.append(np.vstack([segment.phase.C @ y, segment.phase.V @ y]))
-            segments += [segment] * count
-    return np.concatenate(times), np.hstack(states), segments
+def states_over(sequence: PhaseSequence, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Times and z there, ``count`` in each phase."""
+    times, states = [], []
+    for segment in sequence.lasting:
+        since = np.linspace(0.0, segment.duration, count)
+        y = block_states(segment.phase.blocks, np.tile(segment.state[:, None], count), since)
+        times.append(segment.time + since)
+        states.append(np.vstack([segment.phase.C @ y, segment.phase.V @ y]))
+    return np.concatenate(times), np.hstack(states)
 
 
 def along(map: PeriodMap, sequence: PhaseSequence, time: float, offset: float = 0.0, turned: float = 0.0) -> tuple[Key, np.ndarray]:
     """The phase and z just after a time of a sequence that began at an offset, for a start at another, with prescribed displacements there."""
-    segment = [one for one in sequence.segments if one.duration > 0 and one.time <= time][-1]
+    segment = [one for one in sequence.lasting if one.time <= time][-1]
     y = segment.phase.flow.states(segment.state, time - segment.time)
-    key = next(key for key, phase in sequence.phases.items() if phase is segment.phase)
     z = np.concatenate([segment.phase.C @ y, segment.phase.V @ y])
     shift = map.shifts.between(map.source.at(turned), map.source.at(offset + time))
     if shift is not None:
         z[: map.size] -= shift
-    return key, z
+    return segment.phase.key, z
 
 
 # The search.
@@ -512,6 +488,7 @@ def find_periodic(system, period, guess, force, begin: np.ndarray | None = None)
     start = None if guess is None else start_of(system, guess)
     with within_float64():
         map = PeriodMap(system, force, T)
+        begin = np.zeros(2 * map.size) if begin is None else begin
         if map.is_autonomous:
             return _free(map, T, start, begin).periodic_motion()
         map.period = T = map.force_period() if T is None else T
@@ -540,9 +517,9 @@ def start_of(system, guess) -> np.ndarray:
     return np.concatenate([values.ravel(), np.zeros(2 * n - values.size)])
 
 
-def forced_orbit(map: PeriodMap, start: np.ndarray | None, begin: np.ndarray | None = None) -> Orbit:
-    """The closed orbit with a given period."""
-    T, z = map.period, _first_of(map, start, begin)
+def forced_orbit(map: PeriodMap, start: np.ndarray | None, begin: np.ndarray) -> Orbit:
+    """The closed orbit with a given period, near a start if there is one, or else near the motion after some periods."""
+    T, z = map.period, begin if start is None else start
     key = map.system._first_key(z[: map.size], z[map.size :])
     if start is not None:
         try:
@@ -639,15 +616,9 @@ def _shorter_step(orbit: Orbit, step: np.ndarray, sizes: np.ndarray, residual: f
     return None
 
 
-def _first_of(map: PeriodMap, *values: np.ndarray | None) -> np.ndarray:
-    """The first state that is given, or rest at zero."""
-    return next((one for one in values if one is not None), np.zeros(2 * map.size))
-
-
-def _free(map: PeriodMap, period: float | None, start: np.ndarray | None, begin: np.ndarray | None = None) -> Orbit:
+def _free(map: PeriodMap, period: float | None, start: np.ndarray | None, begin: np.ndarray) -> Orbit:
     """The closed orbit of a motion without a prescribed period."""
-    n = map.size
-    z = _first_of(map, start, begin)
+    n, z = map.size, begin if start is None else start
     key = map.system._first_key(z[:n], z[n:])
     if start is not None and period is not None:
         return _moving(newton(map.orbit(key, z, period), free_period=True))
@@ -681,7 +652,7 @@ def _slowest(map: PeriodMap, key: Key) -> float:
 def _return_time(map: PeriodMap, sequence: PhaseSequence, z: np.ndarray) -> float:
     """The time at which a motion first comes back near its start."""
     count = max(SAMPLES, RETURN_SAMPLES // max(len(sequence.segments), 1))
-    times, states, _ = states_over(sequence, count)
+    times, states = states_over(sequence, count)
     n = map.size
     moved = np.array(
         [shift if (shift := map.shifts.between(map.source.at(0.0), map.source.at(t))) is not None else np.zeros(n) for t in times]

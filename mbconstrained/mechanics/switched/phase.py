@@ -42,12 +42,7 @@ START_NOISE = 4 * EPS
 
 
 class Source:
-    """All that acts from outside: the force on the n coordinates, those of some phases only, the signals of constraint rows, and the constant 1.
-
-    Args:
-        applied: the force in all phases, n rows.
-        signals: signals of constraint rows, one row each, and excitations of phases, n rows each.
-    """
+    """All that acts from outside: the force on the coordinates, those of some phases, the signals of constraint rows, and the constant 1."""
 
     def __init__(self, applied: ImpulsiveSmooth, signals: Sequence[ImpulsiveSmooth]):
         self.size, self.signals = applied.size, list(signals)
@@ -60,6 +55,11 @@ class Source:
         smooth = total.smooth
         self.coefficients, self.blocks, self.restarts = smooth.coefficients, smooth.blocks, smooth.restarts
         self.loads = {0.0: total.impulses, **{load.time: load.impulses for load in total.later}}
+
+    @cached_property
+    def generator(self) -> np.ndarray:
+        """J_f."""
+        return block_matrix(self.blocks)
 
     @property
     def knots(self) -> np.ndarray:
@@ -100,21 +100,13 @@ class Source:
 
 @dataclass(frozen=True, eq=False)
 class PhaseEntry:
-    """The states of a phase just after a switch.
+    """The states of a phase just after a switch."""
 
-    Attributes:
-        state: y.
-        size: its rounding errors relative to NOISE.
-        jump: of x and x', shape (2, n); exactly zero where they are continuous.
-        impulses: arrays (n,) of x, the k-th multiplies the k-th derivative of Dirac's delta.
-        reactions: of the multipliers, arrays (k,) in the order of the rows.
-    """
-
-    state: np.ndarray
-    size: np.ndarray
-    jump: np.ndarray
-    impulses: tuple[np.ndarray, ...]
-    reactions: tuple[np.ndarray, ...]
+    state: np.ndarray  # y
+    size: np.ndarray  # its rounding errors relative to NOISE
+    jump: np.ndarray  # of x and x', shape (2, n); exactly zero where they are continuous
+    impulses: tuple[np.ndarray, ...]  # of x, shape (n,) each, the k-th multiplies the k-th derivative of Dirac's delta
+    reactions: tuple[np.ndarray, ...]  # those of the multipliers, shape (k,) each, in the order of the rows
 
     @property
     def is_smooth(self) -> bool:
@@ -123,27 +115,19 @@ class PhaseEntry:
 
 
 class Phase:
-    """The equations of one phase with the force.
-
-    Args:
-        name: for messages.
-        system: the equations.
-        branches: those among the equations, whose forces at x = 0 are in addition to the source.
-        source: the force.
-        guards: by which it may end.
-        longest: the longest time of interest, s.
-    """
+    """The equations of one phase with the force."""
 
     def __init__(
         self,
-        name: str,
+        key: tuple[str, ...],  # the states of all switches
+        name: str,  # for messages
         system: MechanicalSystem,
-        branches: Sequence[ForceBranch],
+        branches: Sequence[ForceBranch],  # those among the equations, whose forces at x = 0 are in addition to the source
         source: Source,
-        guards: Sequence[Guard],
-        longest: float,
+        guards: Sequence[Guard],  # by which it may end
+        longest: float,  # time of interest, s
     ):
-        self.name, self.system, self.source, self.guards = name, system, source, tuple(guards)
+        self.key, self.name, self.system, self.source, self.guards = key, name, system, source, tuple(guards)
         self.constant = sum((branch.load for branch in branches), np.zeros(system.size))
         potentials = [branch.potential for branch in branches]
         self.potential_force = system.static_force + sum((force for force, _ in potentials), np.zeros(system.size))
@@ -153,7 +137,7 @@ class Phase:
         self.load_map = S
         loads = S @ source.coefficients
         loads[: form.null_space.shape[1]] += np.outer(form.null_space.T @ self.constant, source.coefficients[-1])
-        self.generator = block_matrix(source.blocks)
+        self.generator = source.generator
         A0, A1, A2 = (np.pad(matrix, (0, m)) for matrix in form.polynomial_matrix.coefficients)
         A0[:n, n:], A0[n:, n:], A1[n:, n:] = -loads, -self.generator, np.eye(m)
         names = [f"force {i + 1}" for i in range(m)]
@@ -180,12 +164,14 @@ class Phase:
         outputs = scaling.columns[:, None] * (form.C @ parts.basis) * scale
         self.C, self.of_force = outputs[:n], outputs[n:]
         self.V = self.C @ self.J
+        self.outputs = np.vstack([self.C, self.V])
         units = np.zeros((2, n + m, 2 * n + m))  # of x, x' and w
         for order in (0, 1):
             units[order, :n, order * n : (order + 1) * n] = np.eye(n)
         units[0, n:, 2 * n :], units[1, n:, 2 * n :] = np.eye(m), self.generator
         stack = companion.scaled_stack(units)
         self.start = (parts.inverse @ (form.finite_start @ stack)) / scale[:, None]
+        self.begin = self.start[:, : 2 * n]  # of x and x' alone
         self.input = scaling.time * (parts.inverse @ form.B)[:, :n] * scaling.rows[:n] / scale[:, None]
         self._start_size = np.abs(self.start) * (START_NOISE / NOISE)
         infinite = form.infinite_start.data @ stack
@@ -258,9 +244,7 @@ class Phase:
     ) -> PhaseEntry:
         """The states just after a switch, from x, x' before it, the states of the force after it, and its impulses there.
 
-        Args:
-            x, v, w, loads: these.
-            before: moduli of values from which x and x' were computed, and whose rounding errors they have.
+        ``before`` are moduli of values from which x and x' were computed, and whose rounding errors they have.
         """
         n, stack = self.system.size, np.concatenate([x, v, w])
         sizes = np.abs(stack)
@@ -282,6 +266,10 @@ class Phase:
         least = NOISE * float(np.abs(initial).max(initial=0.0)) / self.pairs.form.companion.scaling.time
         own = _without_noise([impulse[:n] for impulse in begin.impulses], least)
         return PhaseEntry(y, size, jump, own, self._reactions(jump, own, loads))
+
+    def entry_map(self) -> np.ndarray:
+        """The derivative of (x, x') at the begin with respect to those just before it."""
+        return self.outputs @ self.begin
 
     def start_jump(self, initial: np.ndarray, y: np.ndarray) -> np.ndarray:
         """x and x' at t = 0 from y less the initial ones, shape (2, n), zero within rounding errors."""

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass, field, replace
+from functools import cached_property, reduce
 from itertools import combinations, islice, product
 from typing import TYPE_CHECKING
 
@@ -40,69 +41,49 @@ SMALL_BOUNCE = EPS**0.5
 
 @dataclass(eq=False)
 class PhaseSegment:
-    """One phase between two times.
-
-    Attributes:
-        phase: with its equations.
-        time, remainder: the begin, s, and its rounding error.
-        state: y there.
-        duration: s.
-        jump: the derivative of (x, x') at the begin with respect to that before it, shape (2 n, 2 n), for sensitivities.
-        event: the switch at the begin, where there is one.
-    """
+    """One phase between two times."""
 
     phase: Phase
-    time: float
-    remainder: float
-    state: np.ndarray
-    jump: Callable[[], np.ndarray]
-    duration: float = 0.0
-    event: SwitchRecord | None = None
+    time: float  # of the begin, s
+    remainder: float  # its rounding error
+    state: np.ndarray  # y there
+    maps: Sequence[Callable[[], np.ndarray]]  # derivatives of (x, x') after each step of the switch with respect to those before it
+    duration: float = 0.0  # s
+    event: SwitchRecord | None = None  # the switch at the begin, where there is one
+
+    @cached_property
+    def jump(self) -> np.ndarray:
+        """The derivative of (x, x') at the begin with respect to those before the switch, shape (2 n, 2 n)."""
+        first, *others = self.maps
+        return reduce(lambda total, one: one() @ total, others, first())
 
 
 @dataclass(eq=False)
 class SwitchRecord:
-    """A switch, while the phase that follows is searched and afterwards.
+    """A switch, while the phase that follows is searched and afterwards."""
 
-    Attributes:
-        time, remainder: in s, and its rounding error.
-        before, after: the states of the switches.
-        x, v: displacement and velocity before and after.
-        terms: sums of the moduli of the terms of x and v before.
-        force: the states of the force after it.
-        loads: impulses of the force that are still to act.
-        zeros: how many derivatives of outputs, the value among them, are exactly zero, whatever their rounding errors.
-        impulses: by name, by order.
-        coordinate_impulses: of x, by order.
-        guard, guard_row: the guard that fell to zero, and its row on the states before.
-        phases: before and after.
-        grazing: whether the guard only touches zero.
-        resting: where infinitely many bounces are summed, the time of rest.
-        texts: what happens.
-        maps: derivatives of (x, x') after each step with respect to those before it.
-        impacts: their number.
-    """
-
-    time: float
-    remainder: float
+    time: float  # in s
+    remainder: float  # its rounding error
     before: Key
     after: Key
-    x: list[np.ndarray]
-    v: list[np.ndarray]
-    terms: tuple[np.ndarray, np.ndarray]
-    force: np.ndarray
-    loads: Sequence[np.ndarray] = ()
+    x: list[np.ndarray]  # displacement before and after
+    v: list[np.ndarray]  # velocity before and after
+    terms: tuple[np.ndarray, np.ndarray]  # sums of the moduli of the terms of x and v before
+    force: np.ndarray  # the states of the force after it
+    loads: Sequence[np.ndarray] = ()  # impulses of the force that are still to act
+    # how many derivatives of outputs, the value among them, are exactly zero, whatever their rounding errors
     zeros: dict[Functional, int] = field(default_factory=dict)
-    impulses: dict[str, list[float]] = field(default_factory=dict)
-    coordinate_impulses: tuple[np.ndarray, ...] = ()
-    guard: Guard | None = None
-    guard_row: np.ndarray | None = None
-    phases: tuple[Phase, ...] = ()
-    grazing: bool = False
-    resting: float | None = None
-    texts: list[str] = field(default_factory=list)
+    impulses: dict[str, list[float]] = field(default_factory=dict)  # by name, by order
+    coordinate_impulses: tuple[np.ndarray, ...] = ()  # of x, by order
+    guard: Guard | None = None  # that fell to zero
+    guard_row: np.ndarray | None = None  # its row on the states before
+    phases: tuple[Phase, ...] = ()  # before and after
+    grazing: bool = False  # whether the guard only touches zero
+    resting: float | None = None  # where infinitely many bounces are summed, the time of rest
+    texts: list[str] = field(default_factory=list)  # what happens
+    # derivatives of (x, x') after each step with respect to those before it
     maps: list[Callable[[], np.ndarray]] = field(default_factory=list)
-    impacts: int = 0
+    impacts: int = 0  # their number
 
     def turn(self, place: int, state: str) -> None:
         """Let one switch take a state."""
@@ -130,13 +111,7 @@ class SwitchRecord:
 
 
 class Machine:
-    """The phases of a switched system, each made when it is first entered.
-
-    Args:
-        system: the equations common to all phases; None where every phase has its own.
-        switches: its switches.
-        systems: the whole systems by state of the only switch, where there is one.
-    """
+    """The equations of all phases: common ones with those of the states of switches, or whole ones by the state of the only switch."""
 
     def __init__(self, system: MechanicalSystem, switches: Sequence[Switch], systems: Mapping[str, MechanicalSystem] | None = None):
         self.system, self.switches, self.systems = system, tuple(switches), systems
@@ -195,14 +170,7 @@ def _with_branches(matrix, branches: Sequence[ForceBranch], field: str):
 
 
 class PhaseSequence:
-    """The computation of one motion.
-
-    Args:
-        machine: the phases.
-        source: the force.
-        end: of the motion, s.
-        most_events: it stops with a message after so many switches.
-    """
+    """The computation of one motion up to its end, s, or an error after too many events; phases are made when first entered."""
 
     def __init__(self, machine: Machine, source: Source, end: float, most_events: int):
         self.machine, self.source, self.end, self.most = machine, source, end, most_events
@@ -218,8 +186,13 @@ class PhaseSequence:
         if key not in self.phases:
             machine = self.machine
             guards = [guard for _, guard in machine.guards(key)]
-            self.phases[key] = Phase(machine.label(key), *machine.system_of(key), self.source, guards, self.end)
+            self.phases[key] = Phase(key, machine.label(key), *machine.system_of(key), self.source, guards, self.end)
         return self.phases[key]
+
+    @property
+    def lasting(self) -> list[PhaseSegment]:
+        """The segments that last, of a sequence that has been run."""
+        return [segment for segment in self.segments if segment.duration > 0]
 
     # The course.
 
@@ -314,19 +287,23 @@ class PhaseSequence:
         if not entry.is_smooth:
             self._move(record, phase, entry)
         record.x[1], record.v[1] = phase.C @ entry.state, phase.V @ entry.state
-        record.maps.append(_map_of(phase))
+        record.maps.append(phase.entry_map)
         self._begin(record, phase, entry, order, sign)
 
     def _begin(self, record: SwitchRecord, phase: Phase, entry: PhaseEntry, order: np.ndarray, sign: np.ndarray) -> None:
         old = self.segments[-1].phase if self.segments else phase
         record.phases, record.texts = (old, phase), list(filter(None, record.texts))
-        segment = PhaseSegment(phase, record.time, record.remainder, entry.state, _product(record.maps))
+        segment = PhaseSegment(phase, record.time, record.remainder, entry.state, record.maps)
         later = record.texts or record.after != record.before or entry.jump.any() or record.grazing
         if record.impulses or record.coordinate_impulses or (self.segments and later):
             self.records.append(record)
             segment.event = record
             if len(self.records) > self.most:
-                self._stop(record)
+                last = ", ".join(f"{one.time:.9g} s" for one in self.records[-3:])
+                raise NotUnique(
+                    f"the motion switches more than {self.most} times before {self.end:g} s, last at {last}; give an earlier end, or a "
+                    "larger most_events"
+                )
         self.segments.append(segment)
         self.key, self.size, self.orders, self.signs = record.after, entry.size, order, sign
         self.deadlines = {
@@ -334,33 +311,6 @@ class PhaseSequence:
             for (place, guard), own in zip(self.machine.guards(record.after), sign)
             if guard.dwell and own < 0 and not guard.is_opposite
         }
-
-    def momentum_residual(self, record: SwitchRecord) -> float:
-        """|M jump of x' + C jump of x - sum of impulses| relative to the largest momentum, where all impulses are Dirac impulses."""
-        if not record.impulses or any(any(sizes[1:]) for sizes in record.impulses.values()) or record.coordinate_impulses:
-            return 0.0
-        systems = [*(phase.system for phase in record.phases), *(self.machine.systems or {}).values()]
-        rows = {row.name: row.coefficients for system in systems for row in system.rows}
-        for switch in self.machine.switches:
-            if switch.contact is not None:
-                rows.setdefault(switch.name, switch.contact.row)
-        if not set(record.impulses) <= set(rows):
-            return 0.0
-        system = record.phases[1].system
-        terms = [system.mass @ (record.v[1] - record.v[0]), system.damping @ (record.x[1] - record.x[0])]
-        terms += [-rows[name] * sizes[0] for name, sizes in record.impulses.items()]
-        sizes = (
-            [system.mass @ v for v in record.v] + terms + [np.abs(system.mass) @ record.terms[1]]
-        )  # of which they have rounding errors
-        largest = max(float(np.abs(size).max(initial=0.0)) for size in sizes)
-        return float(np.abs(sum(terms)).max(initial=0.0)) / largest if largest else 0.0
-
-    def _stop(self, record: SwitchRecord) -> None:
-        last = [one.time for one in self.records[-3:]]
-        raise NotUnique(
-            f"the motion switches more than {self.most} times before {self.end:g} s, last at {', '.join(f'{t:.9g} s' for t in last)}; "
-            "give an earlier end, or a larger most_events"
-        )
 
     # Guards.
 
@@ -441,7 +391,7 @@ class PhaseSequence:
             record.add_impulse(name, sizes)
         if entry.impulses:
             record.coordinate_impulses = entry.impulses
-        record.maps.append(_map_of(phase))
+        record.maps.append(phase.entry_map)
         record.x[1], record.v[1] = phase.C @ entry.state, phase.V @ entry.state
         record.loads = ()
         record.forget(bool(entry.jump[0].any()))
@@ -672,21 +622,3 @@ def _impulse_unit(unit: str, order: int) -> str:
     from ...ground.coordinate_units import force_unit, impulse_unit
 
     return impulse_unit(force_unit(unit), order)
-
-
-# Sensitivities of values after a switch to those before it.
-
-
-def _map_of(phase: Phase) -> Callable[[], np.ndarray]:
-    """The derivative of (x, x') at the begin of a phase with respect to those just before it."""
-    return lambda: np.vstack([phase.C, phase.V]) @ phase.start[:, : 2 * phase.system.size]
-
-
-def _product(maps: Sequence[Callable[[], np.ndarray]]) -> Callable[[], np.ndarray]:
-    def derivative() -> np.ndarray:
-        result = maps[0]()
-        for one in maps[1:]:
-            result = one() @ result
-        return result
-
-    return derivative

@@ -123,12 +123,8 @@ class SwitchedSolution:
 
     def __init__(self, sequence: PhaseSequence, initial: np.ndarray):
         self.method, self.sequence = SWITCHED, sequence
-        self.phases = list(sequence.phases.values())
-        self.keys = {id(phase): key for key, phase in sequence.phases.items()}
-        used = {id(segment.phase) for segment in sequence.segments}
-        self.phases = [phase for phase in self.phases if id(phase) in used]
-        self._ends = np.cumsum([0, *(len(phase.J) for phase in self.phases)])
-        self._place = {id(phase): place for place, phase in enumerate(self.phases)}
+        used = {segment.phase for segment in sequence.segments}
+        self.phases = [phase for phase in sequence.phases.values() if phase in used]
         first = sequence.segments[0]
         begin = np.array([first.phase.C @ first.state, first.phase.V @ first.state])
         self.jump = first.phase.start_jump(initial, first.state)
@@ -157,11 +153,11 @@ class SwitchedSolution:
     @cached_property
     def restarts(self) -> Restarts:
         """The states of all phases at the begin of each; those of phases that do not last are zero."""
-        segments = [segment for segment in self.sequence.segments if segment.duration > 0] or self.sequence.segments[-1:]
-        states = np.zeros((self._ends[-1], len(segments)))
+        segments, ends = self.sequence.lasting, np.cumsum([len(phase.J) for phase in self.phases])
+        states = np.zeros((ends[-1], len(segments)))
         for column, segment in enumerate(segments):
-            place = self._place[id(segment.phase)]
-            states[self._ends[place] : self._ends[place + 1], column] = segment.state
+            end = ends[self.phases.index(segment.phase)]
+            states[end - len(segment.state) : end, column] = segment.state
         knots, remainders = np.array([one.time for one in segments], float), np.array([one.remainder for one in segments])
         return PhaseRestarts(knots, states, remainders if remainders.any() else 0.0, self.blocks, self.sequence.end)
 
@@ -226,8 +222,8 @@ class SwitchedMotion(Motion):
     def phases(self) -> tuple[tuple[float, str], ...]:
         """The times at which phases begin, in s, and the phases."""
         collected: list[tuple[float, str]] = []
-        for segment in self.solution.sequence.segments:
-            if segment.duration > 0 and (not collected or collected[-1][1] != segment.phase.name):
+        for segment in self.solution.sequence.lasting:
+            if not collected or collected[-1][1] != segment.phase.name:
                 collected.append((float(segment.time), segment.phase.name))
         return tuple(collected)
 
@@ -247,13 +243,25 @@ class SwitchedMotion(Motion):
             coordinate_impulses=record.coordinate_impulses,
             energy_before=record.phases[0].energy(record.x[0], record.v[0]),
             energy_after=record.phases[1].energy(record.x[1], record.v[1]),
-            momentum_residual=self.solution.sequence.momentum_residual(record),
+            momentum_residual=self._momentum_residual(record),
             grazing=record.grazing,
             rest_time=None if record.resting is None else float(record.resting),
             text="; ".join(dict.fromkeys(record.texts)) or _text_of(record),
             _place=place,
             _motion=self,
         )
+
+    def _momentum_residual(self, record: SwitchRecord) -> float:
+        """The residual of the balance of momentum at an event with Dirac impulses alone; 0 at others."""
+        rows, sizes = self.impulse_rows, record.impulses.values()
+        if not sizes or any(any(one[1:]) for one in sizes) or record.coordinate_impulses or not set(record.impulses) <= set(rows):
+            return 0.0
+        system = record.phases[1].system
+        terms = [system.mass @ (record.v[1] - record.v[0]), system.damping @ (record.x[1] - record.x[0])]
+        terms += [-rows[name] * sizes[0] for name, sizes in record.impulses.items()]
+        noisy = [*(system.mass @ v for v in record.v), *terms, np.abs(system.mass) @ record.terms[1]]
+        largest = max(float(np.abs(size).max(initial=0.0)) for size in noisy)
+        return float(np.abs(sum(terms)).max(initial=0.0)) / largest if largest else 0.0
 
     def event_table(self, text: Callable[[float, str], str] = with_unit, most: int | None = None) -> TextTable:
         """The events with their times, phases, impulses and energies.
@@ -335,7 +343,7 @@ class SwitchedMotion(Motion):
             rows.setdefault(switch.name, ConstraintRow(switch.name, branch.direction, "position", 0.0, switch.unit))
         return tuple(rows.values())
 
-    @property
+    @cached_property
     def impulse_rows(self) -> dict[str, np.ndarray]:
         """The directions of the impulses of contacts and constraint rows over the coordinates, by name."""
         machine = self.solution.sequence.machine
@@ -347,12 +355,11 @@ class SwitchedMotion(Motion):
     def engagements(self) -> dict[str, tuple[tuple[float, int], ...]]:
         """The times at which each switch changes, in s, with its engagement: 0 without force, 1 slipping, 2 closed, stuck or taut."""
         sequence, collected = self.solution.sequence, {}
-        keys = {id(phase): key for key, phase in sequence.phases.items()}
         for place, switch in enumerate(sequence.machine.switches):
             levels: list[tuple[float, int]] = []
-            for segment in sequence.segments:
-                level = _engagement(switch.states[keys[id(segment.phase)][place]])
-                if segment.duration > 0 and (not levels or levels[-1][1] != level):
+            for segment in sequence.lasting:
+                level = _engagement(switch.states[segment.phase.key[place]])
+                if not levels or levels[-1][1] != level:
                     levels.append((float(segment.time), level))
             collected[switch.name] = tuple(levels)
         return collected
@@ -378,7 +385,7 @@ class SwitchedMotion(Motion):
         """The rows of all reactions on the states of a phase, shape (k, N)."""
         machine, one = self.solution.sequence.machine, phase.source.coefficients[-1] @ phase.of_force
         rows = {row.name: phase.reaction_row(row.name) for row in self._reaction_rows}
-        for switch, state in zip(machine.switches, self.solution.keys[id(phase)]):
+        for switch, state in zip(machine.switches, phase.key):
             for branch in switch.states[state].branches:
                 elastic = branch.stiffness * (branch.rest * one - branch.direction @ phase.C)
                 force = branch.constant * one + elastic - branch.damping * (branch.direction @ phase.V)
@@ -429,9 +436,7 @@ class SwitchedMotion(Motion):
         return Energy(*(part if times.ndim else part[0] for part in parts))
 
     def _by_phase(self, times: np.ndarray) -> list[tuple[Phase, np.ndarray]]:
-        segments = [
-            segment for segment in self.solution.sequence.segments if segment.duration > 0
-        ] or self.solution.sequence.segments[-1:]
+        segments = self.solution.sequence.lasting
         place = np.searchsorted([segment.time for segment in segments], times, side="right") - 1
         return [
             (phase, chosen)
@@ -477,7 +482,7 @@ class SwitchedMotion(Motion):
                 S, along, own_along = _saltation(previous, segment, F, y)
                 radians = float(previous.phase.flow.rates.max(initial=0.0)) * previous.duration
                 noise = EPS * (OWN_NOISE + NOISE_BY_RADIAN * radians) * _sizes(previous, y)
-                own = _after(segment) @ (_without_guard(segment, n) * noise)
+                own = segment.jump @ (_without_guard(segment, n) * noise)
                 if along is not None and own_along is not None:
                     # a guard is searched by what its value gains in the phase: a short flight has errors of its own size
                     gained = np.concatenate([noise[n:] * previous.duration, noise[n:]])
@@ -533,7 +538,7 @@ class SwitchedMotion(Motion):
             rows = rows @ phase.J
         if not len(rows):
             return 0.0
-        moved = block_states(phase.blocks, phase.start[:, : 2 * n], np.full(2 * n, since))
+        moved = block_states(phase.blocks, phase.begin, np.full(2 * n, since))
         y = phase.flow.states(segment.state, since)
         A = rows @ moved
         radians = float(phase.flow.rates.max(initial=0.0)) * since
@@ -658,7 +663,7 @@ def _text_of(record: SwitchRecord) -> str:
 def transition_matrix(sequence: PhaseSequence) -> np.ndarray:
     """The derivative of (x, x') at the end of a sequence with respect to those at 0-."""
     with np.errstate(over="ignore", invalid="ignore"):
-        total = _after(sequence.segments[0])
+        total = sequence.segments[0].jump
         waiting: list[tuple[float, Guard, np.ndarray]] = []
         for previous, segment in pairwise(sequence.segments):
             F, y = _transition(previous)
@@ -670,7 +675,7 @@ def transition_matrix(sequence: PhaseSequence) -> np.ndarray:
                         total = total + np.outer(_change_of_rate(previous, segment, y), along)
                         break
         last = sequence.segments[-1]
-        return np.vstack([last.phase.C, last.phase.V]) @ (_transition(last)[0] @ total)
+        return last.phase.outputs @ (_transition(last)[0] @ total)
 
 
 def _begun_dwells(previous: PhaseSegment, segment: PhaseSegment, F: np.ndarray, y: np.ndarray):
@@ -692,7 +697,7 @@ def _sizes(segment: PhaseSegment, y: np.ndarray) -> np.ndarray:
 def _transition(segment: PhaseSegment) -> tuple[np.ndarray, np.ndarray]:
     """The derivative of the states at the end of a segment with respect to (x, x') at its begin, and the states there."""
     phase, n = segment.phase, segment.phase.system.size
-    moved = block_states(phase.blocks, phase.start[:, : 2 * n], np.full(2 * n, segment.duration))
+    moved = block_states(phase.blocks, phase.begin, np.full(2 * n, segment.duration))
     return moved, phase.flow.states(segment.state, segment.duration)
 
 
@@ -705,11 +710,6 @@ def _without_guard(segment: PhaseSegment, n: int) -> np.ndarray:
     return unit
 
 
-def _after(segment: PhaseSegment) -> np.ndarray:
-    """The derivative of (x, x') after a switch with respect to those before it, at a fixed time."""
-    return segment.jump() if segment.jump is not None else np.eye(2 * segment.phase.system.size)
-
-
 def _saltation(
     previous: PhaseSegment, segment: PhaseSegment, F: np.ndarray, y: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray | None, np.ndarray | None]:
@@ -718,9 +718,8 @@ def _saltation(
     With the guard g and its rate: S = D F - (z+' - D z-') dt, dt = -dg / g' (saltation matrix; Leine and Nijmeijer, Dynamics and Bifurcations
     of Non-Smooth Mechanical Systems, 2004, section 7.4). Then that of the time with respect to (x, x') at the end of the previous.
     """
-    phase, D = previous.phase, _after(segment)
-    outputs, own = np.vstack([phase.C, phase.V]), phase.start[:, : 2 * phase.system.size]
-    moved, record = D @ (outputs @ F), segment.event
+    phase, D = previous.phase, segment.jump
+    moved, record = D @ (phase.outputs @ F), segment.event
     if record is None or record.guard_row is None:
         return moved, None, None
     row = record.guard_row @ phase.J if record.grazing else record.guard_row  # grazing is the minimum of a guard
@@ -728,7 +727,7 @@ def _saltation(
     if rate == 0:
         unknown = np.full(F.shape[1], np.inf)
         return moved, unknown, unknown
-    along, own_along = -(row @ F) / rate, -(row @ own) / rate
+    along, own_along = -(row @ F) / rate, -(row @ phase.begin) / rate
     if record.grazing:  # nothing changes there
         return moved, along, own_along
     change = _change_of_rate(previous, segment, y)
@@ -738,5 +737,5 @@ def _saltation(
 def _change_of_rate(previous: PhaseSegment, segment: PhaseSegment, y: np.ndarray) -> np.ndarray:
     """D z-' - z+', by which a later switch changes z."""
     before, after = previous.phase, segment.phase
-    rate = np.vstack([before.C, before.V]) @ (before.J @ y)
-    return _after(segment) @ rate - np.vstack([after.C, after.V]) @ (after.J @ segment.state)
+    rate = before.outputs @ (before.J @ y)
+    return segment.jump @ rate - after.outputs @ (after.J @ segment.state)

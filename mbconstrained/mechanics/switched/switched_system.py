@@ -222,7 +222,7 @@ class SwitchedSystem(Displayed):
         these are repeated in every period. Without them the period is unknown, too, and found with the state.
 
         Args:
-            period: in s; by default that of a harmonic force. Without a force a first approximation, by default from the motion after
+            period: in s; by default that of the harmonic forces. Without a force a first approximation, by default from the motion after
                 some time.
             guess: displacement and velocity near the periodic motion: a pair of arrays or of mappings by name, an array of shape
                 (2, n), or a ``PeriodicMotion``. By default the state after some periods.

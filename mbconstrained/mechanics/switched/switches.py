@@ -38,29 +38,18 @@ def functional(
 
 @dataclass(frozen=True, eq=False)
 class Guard:
-    """g = d x + c x' + sum of factor times multiplier - value, positive while the state lasts.
+    """g = d x + c x' + sum of factor times multiplier - value, positive while the state lasts."""
 
-    Attributes:
-        target: the state that follows where it falls to zero.
-        displacement, velocity: d and c, shape (n,).
-        value: what is subtracted.
-        reactions: factors of the multipliers of constraint rows by name.
-        beyond: the state that follows where it is negative at once, not zero first; None for the same.
-        restitution: of an impact along d; None for a guard that is none.
-        dwell: so long, in s, it must stay negative before the state ends.
-        text: for reports.
-    """
-
-    target: str
-    displacement: np.ndarray
-    velocity: np.ndarray
+    target: str  # the state that follows where it falls to zero
+    displacement: np.ndarray  # d, shape (n,)
+    velocity: np.ndarray  # c, shape (n,)
     value: float = 0.0
-    reactions: Mapping[str, float] = field(default_factory=dict)
-    beyond: str | None = None
-    restitution: float | None = None
-    dwell: float = 0.0
-    text: str = ""
-    is_opposite: bool = False
+    reactions: Mapping[str, float] = field(default_factory=dict)  # factors of the multipliers of constraint rows by name
+    beyond: str | None = None  # the state that follows where it is negative at once, not zero first; None for the same
+    restitution: float | None = None  # of an impact along d; None for a guard that is none
+    dwell: float = 0.0  # so long, in s, it must stay negative before the state ends
+    text: str = ""  # for reports
+    is_opposite: bool = False  # whether it ends a dwell
 
     @cached_property
     def functional(self) -> Functional:
@@ -87,18 +76,16 @@ class Guard:
 
 @dataclass(frozen=True, eq=False)
 class ForceBranch:
-    """A force -(stiffness (a x - rest) + damping a x') along a, and a constant one; both on the coordinates by a^T.
-
-    Attributes:
-        stored: the energy of the spring at a x = rest, J; None where the constant force is none of a spring, as friction.
-    """
+    """A force -(stiffness (a x - rest) + damping a x') along a, and a constant one; both on the coordinates by a^T."""
 
     direction: np.ndarray
     stiffness: float = 0.0
     rest: float = 0.0
     damping: float = 0.0
     constant: float = 0.0
-    stored: float | None = 0.0
+    stored: float | None = (
+        0.0  # the energy of the spring at a x = rest, J; None where the constant force is none of a spring, as friction
+    )
 
     @property
     def load(self) -> np.ndarray:
@@ -115,39 +102,24 @@ class ForceBranch:
 
 @dataclass(frozen=True, eq=False)
 class SwitchState:
-    """The rows, forces and guards of a switch while it is in a state.
-
-    Attributes:
-        rows: constraint rows.
-        branches: forces.
-        guards: by which the state ends.
-        slips: whether its force is bounded, so that it passes on no impulse: the state that it takes during impacts; None where it is not.
-    """
+    """The rows, forces and guards of a switch while it is in a state."""
 
     rows: tuple[Constraint, ...] = ()
     branches: tuple[ForceBranch, ...] = ()
-    guards: tuple[Guard, ...] = ()
-    slips: str | None = None
+    guards: tuple[Guard, ...] = ()  # by which the state ends
+    slips: str | None = None  # where its force is bounded, so that it passes on no impulse: the state that it takes during impacts
 
 
 @dataclass(frozen=True, eq=False)
 class UnilateralContact:
-    """A rigid contact a x + gap >= 0 among the states of a switch.
+    """A rigid contact a x + gap >= 0 among the states of a switch."""
 
-    Attributes:
-        row: a.
-        gap: at x = 0.
-        restitution: e of a x' after an impact = -e a x' before it.
-        open, closed: the states.
-        sliding: of a contact that sticks, with further rows while it is closed, the state without these, which follows where it can neither
-            stick nor separate; None for others.
-    """
-
-    row: np.ndarray
-    gap: float
-    restitution: float
-    open: str
+    row: np.ndarray  # a
+    gap: float  # at x = 0
+    restitution: float  # e of a x' after an impact = -e a x' before it
+    open: str  # the states
     closed: str
+    # of a contact that sticks by further rows, that without these, which follows where it can neither stick nor separate
     sliding: str | None = None
 
     @cached_property
@@ -161,21 +133,17 @@ class UnilateralContact:
 
 
 class Switch:
-    """A named part with several states.
+    """A named part with several states, the first one at the start."""
 
-    Attributes:
-        name: of the part.
-        states: by name.
-        times: states that it takes at given times, (time, state or from which state to which), ascending.
-        contact: its rigid contact; None without.
-        unit: unit of its displacement.
-    """
-
-    unit: str = "m"
-    contact: UnilateralContact | None = None
-
-    def __init__(self, name: str, states: Mapping[str, SwitchState], times: Sequence[TimedChange] = ()):
-        self.name, self.states, self.times = name, dict(states), tuple(times)
+    def __init__(
+        self,
+        name: str,
+        states: Mapping[str, SwitchState],
+        times: Sequence[TimedChange] = (),  # ascending
+        unit: str = "m",  # of its displacement
+        contact: UnilateralContact | None = None,  # where it is a rigid one
+    ):
+        self.name, self.states, self.times, self.unit, self.contact = name, dict(states), tuple(times), unit, contact
 
     def start(self, x: np.ndarray, v: np.ndarray) -> str:
         """The state at the start."""
@@ -184,30 +152,19 @@ class Switch:
 
 @dataclass(frozen=True)
 class TimedChange:
-    """A change of state at a time.
+    """A change of state at a time."""
 
-    Attributes:
-        time: in s.
-        target: the state that follows.
-        sources: the states in which it takes place; empty for all.
-        text: for reports.
-    """
-
-    time: float
-    target: str
-    sources: tuple[str, ...] = ()
-    text: str = ""
+    time: float  # in s
+    target: str  # the state that follows
+    sources: tuple[str, ...] = ()  # the states in which it takes place; empty for all
+    text: str = ""  # for reports
 
 
 class StartSwitch(Switch):
-    """A switch whose state at the start depends on a displacement or a velocity along a row.
+    """A switch whose state at the start is that of the first ascending limit above the displacement, or velocity, along a row."""
 
-    Args:
-        limits: ascending (limit, state): the state of the first limit above the value at the start.
-    """
-
-    def __init__(self, name, states, row, limits, order: int = 0, times: Sequence[TimedChange] = ()):
-        super().__init__(name, states, times)
+    def __init__(self, name, states, row, limits, order: int = 0, times: Sequence[TimedChange] = (), unit: str = "m"):
+        super().__init__(name, states, times, unit)
         self.row, self.limits, self.order = row, limits, order
 
     def start(self, x: np.ndarray, v: np.ndarray) -> str:
@@ -221,18 +178,14 @@ class StartSwitch(Switch):
 def rigid_contact(name: str, row: np.ndarray, gap: float, restitution: float, unit: str = "m") -> Switch:
     """a x + gap >= 0 without deformation: impacts by Newton's law of restitution, rest at zero, lift-off where the force would pull."""
     none = np.zeros(len(row))
-    switch = Switch(
-        name,
-        {
-            "open": SwitchState(guards=(Guard("closed", row, none, -gap, restitution=restitution, text="closes"),)),
-            "closed": SwitchState(
-                rows=(Constraint(row, value=-gap, names=name, unit=unit),),
-                guards=(Guard("open", none, none, reactions={name: 1.0}, text="opens"),),
-            ),
-        },
-    )
-    switch.contact, switch.unit = UnilateralContact(row, gap, restitution, "open", "closed"), unit
-    return switch
+    states = {
+        "open": SwitchState(guards=(Guard("closed", row, none, -gap, restitution=restitution, text="closes"),)),
+        "closed": SwitchState(
+            rows=(Constraint(row, value=-gap, names=name, unit=unit),),
+            guards=(Guard("open", none, none, reactions={name: 1.0}, text="opens"),),
+        ),
+    }
+    return Switch(name, states, unit=unit, contact=UnilateralContact(row, gap, restitution, "open", "closed"))
 
 
 def elastic_contact(name: str, row: np.ndarray, gap: float, stiffness: float, damping: float = 0.0, unit: str = "m") -> Switch:
@@ -247,9 +200,7 @@ def elastic_contact(name: str, row: np.ndarray, gap: float, stiffness: float, da
         returns = Guard("closed", stiffness * row, damping * row, stiffness * rest, text="closes")
         states["closed"] = SwitchState(branches=(branch,), guards=(opens, separates))
         states["separating"] = SwitchState(guards=(opens, returns))
-    switch = StartSwitch(name, states, row, [(rest, "closed"), (np.inf, "open")])
-    switch.unit = unit
-    return switch
+    return StartSwitch(name, states, row, [(rest, "closed"), (np.inf, "open")], unit=unit)
 
 
 def piecewise_spring(
@@ -298,10 +249,7 @@ def friction(
 ) -> Switch:
     """Coulomb friction along a: a force of the kinetic size against a x', exactly at rest as long as that takes no more than the static one.
 
-    Args:
-        kinetic, static: limits of the force, in N or N m; infinite for a rigid connection.
-        engaged: acts from this time on, in s.
-        until: until then.
+    Infinite limits are those of a rigid connection. It acts between the times engaged and until, in s.
     """
     none = np.zeros(len(row))
     stuck = Constraint(row, level="velocity", names=name, unit=unit)
@@ -321,22 +269,16 @@ def friction(
                 guards=(Guard("stuck", none, -row, beyond="forward", text="sticks"),),
             ),
         }
-    engages = next(iter(states)) if np.isinf(static) else "stuck"
-    times = []
-    if engaged > 0 or np.isfinite(until):
-        states["open"] = SwitchState()
-    if engaged > 0:
-        times.append(TimedChange(engaged, engages, ("open",), "engages"))
+    acting, times, off = tuple(states), [], {"open": SwitchState()}
     if np.isfinite(until):
-        times.append(TimedChange(until, "open", tuple(state for state in states if state != "open"), "is released"))
+        states, times = {**states, **off}, [TimedChange(until, "open", acting, "is released")]
+    if engaged > 0:
+        engages = "locked" if np.isinf(static) else "stuck"
+        states, times = {**off, **states}, [TimedChange(engaged, engages, ("open",), "engages"), *times]
     if engaged > 0 or np.isinf(static):
-        switch = Switch(
-            name, {key: states[key] for key in sorted(states, key=lambda key: key != ("open" if engaged > 0 else engages))}, times
-        )
-    else:
-        switch = StartSwitch(name, states, row, [(0.0, "backward"), (np.nextafter(0, 1), "stuck"), (np.inf, "forward")], 1, times)
-    switch.unit = unit
-    return switch
+        return Switch(name, states, times, unit)
+    limits = [(0.0, "backward"), (np.nextafter(0, 1), "stuck"), (np.inf, "forward")]
+    return StartSwitch(name, states, row, limits, 1, times, unit)
 
 
 def releasable(
@@ -345,10 +287,12 @@ def releasable(
     branches: Sequence[ForceBranch],
     at: float | None,
     guards: Sequence[Guard],
+    unit: str,
 ) -> Switch:
     """Rows and forces that act until a time or until a guard falls to zero."""
     times = [] if at is None else [TimedChange(at, "released", ("attached",), "is released")]
-    return Switch(name, {"attached": SwitchState(tuple(rows), tuple(branches), tuple(guards)), "released": SwitchState()}, times)
+    states = {"attached": SwitchState(tuple(rows), tuple(branches), tuple(guards)), "released": SwitchState()}
+    return Switch(name, states, times, unit)
 
 
 def latch(
@@ -363,17 +307,14 @@ def latch(
     position = distance is not None and at is None
     level: Level = "position" if position else "velocity"
     joined = Constraint(row, level=level, value=distance if position else 0.0, names=name, unit=unit)
-    times = [TimedChange(at, "closed", ("open",), "closes")] if at is not None else []
-    states = {"closed": SwitchState(rows=(joined,))}
+    closed = SwitchState(rows=(joined,))
     if not position:
-        switch = Switch(name, {"open": SwitchState(), **states}, times)
-    else:
-        above = Guard("closed", row, none, distance, text="closes")
-        below = Guard("closed", -row, none, -distance, text="closes")
-        states = {"open above": SwitchState(guards=(above,)), "open below": SwitchState(guards=(below,)), **states}
-        switch = StartSwitch(name, states, row, [(distance, "open below"), (np.inf, "open above")])
-    switch.unit = unit
-    return switch
+        times = [TimedChange(at, "closed", ("open",), "closes")] if at is not None else []
+        return Switch(name, {"open": SwitchState(), "closed": closed}, times, unit)
+    above = Guard("closed", row, none, distance, text="closes")
+    below = Guard("closed", -row, none, -distance, text="closes")
+    states = {"open above": SwitchState(guards=(above,)), "open below": SwitchState(guards=(below,)), "closed": closed}
+    return StartSwitch(name, states, row, [(distance, "open below"), (np.inf, "open above")], unit=unit)
 
 
 # Transitions between phases that are given as whole systems.

@@ -144,8 +144,7 @@ class FrequencyTable(Table):
     phase: Literal["unwrapped", "wrapped"] = Field("unwrapped", description="wrapped: from -180 to 180 degrees.")
     axis: Literal["Hz", "rad/s", "rpm"] = Field("Hz", description="The unit of the frequency on the page and in tables.")
 
-    @model_validator(mode="after")
-    def _one_range(self):
+    def _check(self) -> None:
         of_range = [key for name, key in self._range_keys if name in self.model_fields_set]
         if self.frequencies is not None and of_range:
             raise InputError(f"frequencies and {of_range[0]} cannot both be given; leave out one of them")
@@ -157,7 +156,6 @@ class FrequencyTable(Table):
             raise InputError(f'spacing = "{self.spacing}" needs the range: give from and to, e.g. from = "1 Hz", to = "200 Hz"')
         elif self.spacing == "log" and not self.lowest:
             raise InputError("from is 0 Hz; even steps of the logarithm need a positive lowest frequency")
-        return self
 
     _range_keys: ClassVar = (("lowest", "from"), ("highest", "to"), ("spacing", "spacing"), ("points", "points"))
 
@@ -224,12 +222,10 @@ class CurveTable(Table):
     array: Text | None = Field(None, description="The name of the array, or of the sheet of an .xlsx file.")
     decimal: Literal[".", ","] | None = Field(None, description="The decimal mark, where the numbers of the file do not tell it.")
 
-    @model_validator(mode="after")
-    def _of_file(self):
+    def _check(self) -> None:
         of_file = {"column", "header", "array", "decimal"} & self.model_fields_set
         if self.file is None and of_file:
             raise InputError(f"{', '.join(sorted(of_file))}: for a file only; give file, too")
-        return self
 
 
 def _densities(value) -> tuple[Any, list[str]]:
@@ -275,8 +271,8 @@ class RandomInputTable(CurveTable):
         own = {"soil": {**soil, "intensity": numbers.pop("intensity")}} if "intensity" in numbers else {}
         return {**data, **numbers, **own, "unit": units[0]}
 
-    @model_validator(mode="after")
-    def _one_kind(self):
+    def _check(self) -> None:
+        super()._check()
         given = [key for key in KINDS if getattr(self, key) is not None]
         if len(given) != 1:
             raise InputError(
@@ -284,7 +280,6 @@ class RandomInputTable(CurveTable):
             )
         if (self.frequencies is None) != (self.values is None):
             raise InputError("frequencies and values belong together: give both for a table")
-        return self
 
     def spectrum(self, curve: Callable) -> Spectrum:
         """The one-sided density; a function of this table reads its file."""
@@ -335,8 +330,7 @@ class OscillatorsTable(Table):
     per_octave: int = Field(12, ge=1, le=96, description="Natural frequencies in each octave.")
     frequencies: FrequencyLines = Field(None, description="Explicit list of natural frequencies.")
 
-    @model_validator(mode="after")
-    def _one_of_each(self):
+    def _check(self) -> None:
         if self.quality_factor is not None and "damping_ratio" in self.model_fields_set:
             raise InputError("damping_ratio and quality_factor cannot both be given; leave out one of them")
         if self.frequencies is not None and (given := {"lowest", "highest", "per_octave"} & self.model_fields_set):
@@ -345,7 +339,6 @@ class OscillatorsTable(Table):
         if self.frequencies is not None and not min(self.frequencies) > 0:
             raise InputError("frequencies: found 0 Hz; expected positive natural frequencies")
         check_range(self, "Hz")
-        return self
 
     def lines(self, lowest: float, highest: float) -> np.ndarray:
         """The natural frequencies in Hz, shape (F,)."""
@@ -403,12 +396,10 @@ class CampbellTable(Table):
         [1.0], description="Orders of excitation, multiples of the speed: 1 for unbalance, 2 for a shaft of two stiffnesses."
     )
 
-    @model_validator(mode="after")
-    def _ascending(self):
+    def _check(self) -> None:
         check_range(self, "rad/s")
         if len(set(self.orders)) < len(self.orders):
             raise InputError("orders: one is given twice; give each once")
-        return self
 
 
 def _one_or_several(convert: Callable[[Any], Any]):
@@ -450,8 +441,7 @@ class OrderExcitationTable(Table):
         None, gt=0, description='With law = "speed^2": the speed at which the amplitudes are those given.'
     )
 
-    @model_validator(mode="after")
-    def _as_many(self):
+    def _check(self) -> None:
         if (self.amplitude is None) == (self.unbalance is None):
             raise InputError("give either amplitude or unbalance: how large is the excitation?")
         key = "amplitude" if self.unbalance is None else "unbalance"
@@ -470,7 +460,6 @@ class OrderExcitationTable(Table):
             )
         if self.unbalance is not None and self.at is not None:
             raise InputError("at belongs to amplitudes; an unbalance has its force at every speed, leave at out")
-        return self
 
 
 class OrdersTable(Table):
@@ -486,10 +475,8 @@ class OrdersTable(Table):
     quantity: MotionQuantity = QUANTITY
     relative_to: Text | None = RELATIVE_TO
 
-    @model_validator(mode="after")
-    def _ascending(self):
+    def _check(self) -> None:
         check_range(self, "rad/s")
-        return self
 
 
 class SteadyTable(Table):
@@ -596,11 +583,9 @@ class VaryTable(Table):
     maximise: Text | None = Field(None, description="Or the one that it makes largest.")
     chunk: int | None = Field(None, ge=1, le=100_000, description="Samples that are computed and stored together.")
 
-    @model_validator(mode="after")
-    def _known_names(self):
+    def _check(self) -> None:
         for one, other, rho in self.correlation:
             if not abs(rho) < 1:
                 raise InputError(f"correlation: found {rho:g} of {one} and {other}; expected a number between -1 and 1")
             if one == other:
                 raise InputError(f'correlation: found "{one}" twice; expected two parameters')
-        return self

@@ -39,8 +39,7 @@ class ElementTable(Table):
 
     element: ClassVar[type[Element]]
 
-    @model_validator(mode="after")
-    def _from_spellings(self):
+    def _check(self) -> None:
         entries, spellings = entries_of(self.element), self.element.spellings
         for targets in dict.fromkeys(spellings.values()):
             keys = [key for key, own in spellings.items() if own == targets]
@@ -56,7 +55,6 @@ class ElementTable(Table):
                 value = getattr(self, key)
                 for name, one in zip(targets, value if len(targets) > 1 else [value]):
                     object.__setattr__(self, name, one)
-        return self
 
     @classmethod
     def __get_pydantic_json_schema__(cls, core_schema, handler):

@@ -70,6 +70,14 @@ class Table(BaseModel):
             raise UnknownKey(unknown, cls.known_keys(), cls._hint(unknown))
         return data
 
+    @model_validator(mode="after")
+    def _checked(self):
+        self._check()
+        return self
+
+    def _check(self) -> None:
+        """Check that the entries fit together, and complete those that follow from others."""
+
     @classmethod
     def known_keys(cls) -> list[str]:
         """The keys as scenes write them; Python keywords have another name as attributes."""

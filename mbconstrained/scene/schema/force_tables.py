@@ -8,7 +8,7 @@ from contextlib import suppress
 from functools import cache
 from typing import Annotated, Any, ClassVar, Literal, get_args
 
-from pydantic import BeforeValidator, Field, WithJsonSchema, create_model, model_validator
+from pydantic import BeforeValidator, Field, WithJsonSchema, create_model
 from pydantic.fields import FieldInfo
 
 from ...ground.errors import InputError, shown
@@ -94,13 +94,20 @@ class ForceBase(Table):
     )
     shaper: ShaperTable | None = Field(None, description='Input shaper, e.g. { kind = "ZVD" }: the signal leaves no vibration.')
 
-    @model_validator(mode="after")
-    def _of_something(self):
+    def _check_places(self) -> None:
         if (self.coordinate is None) == (not self.factors):
             raise InputError("give either coordinate or factors: what does the force act on?")
         if self.name is not None and not self.factors:
             raise InputError("name is that of a load by factors; a force on one coordinate has the name of the coordinate")
-        return self
+
+    def _check(self) -> None:
+        self._check_places()
+        if self.delay < 0:
+            raise InputError(f"delay: found {self.delay:g} s; expected 0 or a later time")
+        if self.distance and self.speed is None:
+            raise InputError("distance: it is passed with a speed; give speed, too")
+        if self.speed is not None and not self.distance and getattr(self, "kind", "") != "sampled":
+            raise InputError("speed: there is nothing along a distance; give distance, or a record over a distance")
 
     @property
     def places(self) -> dict[str, float]:
@@ -111,16 +118,6 @@ class ForceBase(Table):
     def title(self) -> str:
         """Name of the force as an input."""
         return self.coordinate or self.name or f"load on {', '.join(self.places)}"
-
-    @model_validator(mode="after")
-    def _is_later(self):
-        if self.delay < 0:
-            raise InputError(f"delay: found {self.delay:g} s; expected 0 or a later time")
-        if self.distance and self.speed is None:
-            raise InputError("distance: it is passed with a speed; give speed, too")
-        if self.speed is not None and not self.distance and getattr(self, "kind", "") != "sampled":
-            raise InputError("speed: there is nothing along a distance; give distance, or a record over a distance")
-        return self
 
     @property
     def later(self) -> float:
@@ -180,11 +177,10 @@ class PeriodicTable(ForceBase):
     frequency: Frequency | None = Field(None, description='w / (2 pi) in Hz, e.g. "2 Hz"; instead of angular_frequency.')
     phase: Angle = Field(0.0, description="The phase of the cosine.")
 
-    @model_validator(mode="after")
-    def _one_frequency(self):
+    def _check(self) -> None:
+        super()._check()
         if self.angular_frequency is not None and self.frequency is not None:
             raise InputError("give either angular_frequency (rad/s) or frequency (Hz), not both")
-        return self
 
     @property
     def omega(self) -> float:
@@ -197,11 +193,10 @@ class HarmonicTable(PeriodicTable):
 
     kind: Literal["harmonic"] = Field(description="A cosine from t = 0 on.")
 
-    @model_validator(mode="after")
-    def _has_frequency(self):
+    def _check(self) -> None:
+        super()._check()
         if self.angular_frequency is None and self.frequency is None:
             raise InputError('give angular_frequency, e.g. "12 rad/s", or frequency, e.g. "2 Hz"')
-        return self
 
 
 class TermTable(PeriodicTable):
@@ -283,8 +278,8 @@ class SampledTable(ForceBase):
     )
     decimal: Literal[".", ","] | None = Field(None, description="The decimal mark, where the numbers of a text do not tell it.")
 
-    @model_validator(mode="after")
-    def _one_source(self):
+    def _check(self) -> None:
+        super()._check()
         times = self.times if self.distances is None else self.distances
         if self.times is not None and self.distances is not None:
             raise InputError("give either times or distances, not both")
@@ -298,7 +293,6 @@ class SampledTable(ForceBase):
             raise InputError(f"found {len(times)} times and {len(self.values)} values; expected as many of both")
         if self.file is None and (self.distances is None) != (self.speed is None) and not self.distance:
             raise InputError("distances and speed belong together: t = x / speed")
-        return self
 
     @property
     def own_times(self) -> list:
@@ -316,11 +310,9 @@ class MotionBase(Table):
     level: Level = Field("position", description="Level of the value: displacement, velocity or acceleration.")
     name: Name | None = Field(None, description='Of the constraint row; left out: "motion of" and the coordinate.')
 
-    @model_validator(mode="after")
-    def _of_something(self):
+    def _check_places(self) -> None:
         if (self.coordinate is None) == (not self.factors):
             raise InputError("give either coordinate or factors: what is it whose motion is prescribed?")
-        return self
 
     @property
     def rows(self) -> dict[str, tuple[str, float]]:

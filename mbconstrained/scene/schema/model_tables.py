@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import BeforeValidator, Field, GetPydanticSchema, model_validator
+from pydantic import BeforeValidator, Field, GetPydanticSchema
 
 from ...ground.errors import InputError, shown
 from ...ground.quantities import measured
@@ -68,11 +68,9 @@ class TransferFunctionTable(Table):
     output: Name = Field("y", description="The name of the output.")
     units: dict[Name, Unit] = Field({}, description='Units of both, e.g. { u = "V", y = "rad" }; "1" when left out.')
 
-    @model_validator(mode="after")
-    def _two_names(self):
+    def _check(self) -> None:
         if self.input == self.output:
             raise InputError(f'input and output have the same name, "{self.input}"; names must differ')
-        return self
 
 
 class StateSpaceTable(Table):
@@ -96,11 +94,9 @@ class StateSpaceTable(Table):
     )
     coordinates: list[Name] | None = Field(None, description="The names of the displacements of the normal form; q1, q2, …")
 
-    @model_validator(mode="after")
-    def _coordinates_of_what(self):
+    def _check(self) -> None:
         if self.coordinates is not None and not self.normal_form:
             raise InputError("coordinates are the displacements of the normal form; name states, or give normal_form = true")
-        return self
 
 
 CoordinateUnit = Literal["m", "rad", "N", "N*m", "C", "A", "V", "1"]
@@ -226,8 +222,7 @@ class MatricesTable(DampedTable):
             return ""
         return f'; {key} is of kind = "lumped"; equations that change have phases and transitions, [[model.phase]] and [[model.transition]]'
 
-    @model_validator(mode="after")
-    def _one_form(self):
+    def _check(self) -> None:
         if (self.mass is None) == (self.coefficients is None):
             raise InputError("give either mass (with damping and stiffness) or coefficients = [A_0, A_1, …]")
         if not self.phase and (given := [key for key in ("transition", "start", "linear_phase") if key in self.model_fields_set]):
@@ -238,9 +233,8 @@ class MatricesTable(DampedTable):
         if self.coefficients is None:
             if self.equations is not None:
                 raise InputError("equations names the rows of coefficients; leave it out")
-            return self
-        if given := [key for key in WITHOUT_COEFFICIENTS if key in self.model_fields_set]:
-            raise InputError(f"{given[0]} cannot stand with coefficients; write it into A_0, A_1, … or give mass instead")
+            return
+        if other := next((key for key in WITHOUT_COEFFICIENTS if key in self.model_fields_set), None):
+            raise InputError(f"{other} cannot stand with coefficients; write it into A_0, A_1, … or give mass instead")
         if not self.coefficients:
             raise InputError("coefficients is empty; expected [A_0, A_1, …] in ascending powers")
-        return self

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal, TypeVar
 
-from pydantic import BeforeValidator, Field, WithJsonSchema, field_validator, model_validator
+from pydantic import BeforeValidator, Field, WithJsonSchema, field_validator
 
 from ...ground.errors import InputError, shown
 from ...ground.quantities import quantity
@@ -288,13 +288,11 @@ class SpotTable(Table):
     along: Three[Number] = Field([1.0, 0.0, 0.0], description="The direction, fixed in space, of any length.")
     turn: bool = Field(False, description="true: the rotation or torque about the direction.")
 
-    @model_validator(mode="after")
-    def _joint_or_body(self):
+    def _check(self) -> None:
         if (self.joint is None) == (self.body is None):
             raise InputError('give either joint, or body with the direction along, e.g. body = "tool", along = [0, 0, 1]')
         if self.joint is not None and (extra := {"point", "along", "turn"} & self.model_fields_set):
             raise InputError(f"{min(extra)} belongs to a body; leave it out with joint")
-        return self
 
 
 class RobotTable(DampedTable, Posing):

@@ -65,13 +65,11 @@ class ViewTable(Table):
     pitch: Angle = Field(0.0, description='How far up, e.g. "20 deg"; 0 is level.')
     zoom: Number = Field(1.0, gt=0, description="Magnification relative to the view of the whole motion.")
 
-    @model_validator(mode="after")
-    def _no_degrees(self):
+    def _check(self) -> None:
         if max(abs(self.yaw), abs(self.pitch)) > 2 * math.pi:
             raise InputError(
                 f'found yaw {self.yaw:g} rad and pitch {self.pitch:g} rad, more than once round; write degrees as "30 deg"'
             )
-        return self
 
 
 def _view(value):
@@ -111,15 +109,13 @@ class BodyTable(Table):
     color: Annotated[str, BeforeValidator(_color)] | None = Field(None, description='Its colour, e.g. "#1f77b4".')
     teeth: Teeth | None = Field(None, ge=3, le=400, description="Number of teeth of a gear.")
 
-    @model_validator(mode="after")
-    def _one_motion(self):
+    def _check(self) -> None:
         _check_axes(self)
         for name in ("along", "about"):
             if getattr(self, name) is not None and (self.moves or self.turns):
                 raise InputError(f"{name}, and moves or turns, say the same thing; leave out one of them")
         if self.along and self.about:
             raise InputError("along is for a body that is displaced, about for one that turns; leave out one of them")
-        return self
 
 
 class LinkTable(Table):
@@ -166,8 +162,7 @@ class DrawingTable(Table):
             return not self.automatic
         return bool(self.body or self.link) and all(body.shape is not None for body in self.body)
 
-    @model_validator(mode="after")
-    def _axes(self):
+    def _check(self) -> None:
         _check_axes(self)
         if self.along and self.about:
             product = sum(a * b for a, b in zip(self.along, self.about))
@@ -175,9 +170,8 @@ class DrawingTable(Table):
                 raise EntryError("along and about are not at right angles; leave out one of them", "about", "along")
         if self.is_own and self.stack:
             raise EntryError("stack is for the automatic drawing; here the bodies have places of their own, rest", "stack")
-        if self.is_own and any(table.along or table.about for table in (self, *self.body)):
+        if self.is_own and (self.along or self.about or any(body.along or body.about for body in self.body)):
             raise InputError("along and about turn the automatic drawing; here moves and turns of the bodies say where they go")
-        return self
 
 
 def _check_axes(table: BodyTable | DrawingTable) -> None:
@@ -211,14 +205,12 @@ class InitialTable(Table):
         description="true: contacts that are penetrated at the start close at once, with a jump and impulses, instead of an error.",
     )
 
-    @model_validator(mode="after")
-    def _one_form(self):
+    def _check(self) -> None:
         if self.follow and not all(isinstance(row, dict) for row in self.rows):
             raise InputError("follow needs values by name, e.g. displacement = { x1 = 0.1 }: nothing is left out of an array")
         named = [key for key in DERIVATIVES if key in self.model_fields_set]
         if self.derivatives is not None and named:
             raise InputError(f"derivatives and {named[0]} say the same thing; give one of them")
-        return self
 
     @property
     def rows(self) -> list[dict | list]:
@@ -259,8 +251,7 @@ class TimeTable(Table):
         """Whether the scene has the table: modes and frequency responses need none."""
         return "end" in vars(self)
 
-    @model_validator(mode="after")
-    def _forwards(self):
+    def _check(self) -> None:
         if not self.end > 0:
             raise InputError(f"end is {self.end:g} s; expected a time after 0")
         if not 0 <= self.start < self.end:
@@ -269,7 +260,8 @@ class TimeTable(Table):
             self._check_samples()
         elif "hold" in self.model_fields_set:
             raise InputError('hold belongs to step_domain = "discrete"; leave it out')
-        return self if self.step is None else self._with_step()
+        if self.step is not None:
+            self._count_steps()
 
     def _check_samples(self) -> None:
         if "points" in self.model_fields_set:
@@ -282,7 +274,7 @@ class TimeTable(Table):
         if abs(number - round(number)) > noise_of(max(number, 1.0)):
             raise InputError(f"start is {self.start:g} s; expected a multiple of step, {self.step:g} s, where a sample is")
 
-    def _with_step(self) -> TimeTable:
+    def _count_steps(self) -> None:
         if "points" in self.model_fields_set:
             raise InputError("give either step or points, not both")
         if not 0 < self.step <= self.end - self.start:
@@ -295,7 +287,6 @@ class TimeTable(Table):
             raise InputError(f"step is {self.step:g} s, which makes {points} times; expected at most {self.MOST_POINTS}")
         object.__setattr__(self, "points", points)
         object.__setattr__(self, "end", self.start + self.step * (points - 1))
-        return self
 
     @property
     def is_automatic(self) -> bool:
@@ -360,13 +351,11 @@ class QuantityTable(Table):
                 raise InputError("divided_by: found 0; expected another number")
             yield 1 / value, None if kind is None else kind.power(-1)
 
-    @model_validator(mode="after")
-    def _one_source(self):
+    def _check(self) -> None:
         if (self.of is None) == (self.between is None):
             raise InputError('give either of, the name of a spring or damper, or between, e.g. ["wheel", "body"]')
         if self.name is None and (self.factor, self.divided_by) != (None, None):
             raise InputError('name: missing; a quantity with a factor or a divisor needs one, such as "stress of the bar"')
-        return self
 
 
 _UNITS = {"anyOf": [{"type": "string"}, {"type": "array", "items": {"type": "string"}}]}
@@ -512,6 +501,11 @@ class SceneFile(Table):
     output: OutputTable = Field(OutputTable.model_construct(), description="Files to write, and contents of the page.")
     drawing: DrawingTable | None = Field(None, description="Drawing of the model; automatic by default.")
 
+    @property
+    def prescribed(self) -> dict[str, str]:
+        """The coordinates of [[motion]] by the names of the constraint rows that prescribe them."""
+        return {name: coordinate for motion in self.motion for name, (coordinate, _) in motion.rows.items()}
+
     @classmethod
     def _hint(cls, key: str) -> str:
         if key not in _lumped_table().model_fields:
@@ -529,23 +523,18 @@ class SceneFile(Table):
         plots = ["displacement"] * (not has_outputs or model.get("normal_form") is True) + ["output"] * has_outputs
         return {**data, "output": {**output, "plots": plots}}
 
-    @model_validator(mode="after")
-    def _robot_of_what(self):
+    def _check(self) -> None:
         if self.robot is not None and self.model.kind != "robot":
             raise InputError('robot changes the robot.toml of kind = "robot"; leave it out')
-        return self
-
-    @model_validator(mode="after")
-    def _still_in_time(self):
         if self.output.still is not None and self.time.is_given and not self.time.start <= self.output.still <= self.time.end:
             still, end = f"{self.output.still:g} s", f"{self.time.end:g} s"
             raise InputError(f"output.still is {still}; expected a time from {self.time.start:g} to time.end, which is {end}")
-        return self
+        if self.boundary is not None or self.least_energy is not None:
+            self._check_end()
+        if self.initial.state and self.model.kind not in CONTROL:
+            raise InputError('initial.state belongs to kind = "state-space"; give displacement and velocity')
 
-    @model_validator(mode="after")
-    def _one_end(self):
-        if self.boundary is None and self.least_energy is None:
-            return self
+    def _check_end(self) -> None:
         if self.boundary is not None and self.least_energy is not None:
             raise InputError("boundary and least_energy both decide the end of the motion; leave out one of them")
         own = "boundary" if self.least_energy is None else "least_energy"
@@ -558,13 +547,6 @@ class SceneFile(Table):
         if self.model.kind == "transfer-function" or getattr(self.model, "normal_form", False):
             kind = "a transfer function" if self.model.kind == "transfer-function" else "a normal form"
             raise InputError(f"{own} needs coordinates or states, and {kind} has others; write a state space")
-        return self
-
-    @model_validator(mode="after")
-    def _state_of_what(self):
-        if self.initial.state and self.model.kind not in CONTROL:
-            raise InputError('initial.state belongs to kind = "state-space"; give displacement and velocity')
-        return self
 
 
 #: Location of the schema of a scene, and of a robot.toml: in the same folder, under this name.

@@ -99,7 +99,7 @@ MATRICES = {**_named(), **{f"product {seed}": product(seed) for seed in range(24
 
 
 class Known:
-    """A matrix, its exact pairs, and block matrices of Moysis et al., section 2, all of Fractions."""
+    """A matrix, its coefficients as Fractions, its exact pairs and structure."""
 
     def __init__(self, coefficients: np.ndarray):
         self.matrix = mb.PolynomialMatrix(coefficients)
@@ -107,67 +107,9 @@ class Known:
         self.A = np.array([[[Fraction(float(c)) for c in row] for row in matrix] for matrix in coefficients], dtype=object)
         self.q, self.r = len(self.A) - 1, self.A.shape[1]
         self.structure = self.pairs.structure
-        self.n, self.highest = self.structure.finite_count, self.structure.highest_impulse
-        self.M1 = self.blocks(lambda a, c: self.A[self.q - a + c] if a >= c else None, self.q, self.q)
-        self.M0 = self.blocks(lambda a, c: self.A[c - a] if c >= a else None, self.q, self.q)
-        self.observed = self.stacked([self.pairs.finite.C @ power(self.pairs.finite.J, k) for k in range(self.q)], (0, self.n))
-        steered = [power(self.pairs.finite.J, k) @ self.pairs.finite.B for k in reversed(range(self.q))]
-        self.steered = self.stacked([block.T for block in steered], (0, self.n)).T
-
-    def H(self, index: int) -> np.ndarray:
-        return self.pairs.laurent(index)
-
-    def blocks(self, block, rows: int, columns: int) -> np.ndarray:
-        """The matrix of the blocks (a, c), None for a zero one."""
-        found = zeros(rows * self.r, columns * self.r)
-        for a in range(rows):
-            for c in range(columns):
-                if (entry := block(a, c)) is not None:
-                    found[a * self.r : (a + 1) * self.r, c * self.r : (c + 1) * self.r] = entry
-        return found
-
-    @staticmethod
-    def stacked(parts, empty: tuple[int, int]) -> np.ndarray:
-        return np.vstack([zeros(*empty), *parts])
 
 
 @cache
 def known(name: str) -> Known:
     """The matrix with this name."""
     return Known(MATRICES[name])
-
-
-def zeros(rows: int, columns: int) -> np.ndarray:
-    return np.full((rows, columns), Fraction(0), dtype=object)
-
-
-def identity(size: int) -> np.ndarray:
-    found = zeros(size, size)
-    np.fill_diagonal(found, Fraction(1))
-    return found
-
-
-def power(J: np.ndarray, exponent: int) -> np.ndarray:
-    found = identity(len(J))
-    for _ in range(exponent):
-        found = found @ J
-    return found
-
-
-def rank(M: np.ndarray) -> int:
-    """By elimination with exact pivots."""
-    rows, found = [list(row) for row in M], 0
-    for column in range(M.shape[1]):
-        pivot = next((row for row in rows if row[column]), None)
-        if pivot is None:
-            continue
-        rows = [[a - row[column] / pivot[column] * b for a, b in zip(row, pivot)] for row in rows if row is not pivot]
-        found += 1
-    return found
-
-
-def same(found: np.ndarray, expected: np.ndarray) -> bool:
-    """Equal in shape and in every entry, and nothing is a float."""
-    assert found.shape == expected.shape
-    assert all(isinstance(entry, Fraction) for entry in found.flat)
-    return bool(np.all(found == expected))

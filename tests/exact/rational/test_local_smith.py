@@ -16,18 +16,6 @@ from tests.exact.rational.products import MATRICES, known, product
 from tests.oracles import exact
 
 
-@pytest.mark.parametrize("name", MATRICES)
-def test_root_polynomials_are_divided_by_their_power(name):
-    """p^k divides A phi and psi^T A for every elementary divisor p^k."""
-    x = known(name)
-    A = RationalMatrix.of(x.matrix).entries
-    for term in x.pairs.terms:
-        power = term.divisor**term.length
-        for rows, vector in ((A, term.right), (list(zip(*A)), term.left)):
-            for row in rows:
-                assert not sum((a * b for a, b in zip(row, vector)), flint.fmpq_poly([0])) % power
-
-
 @pytest.mark.parametrize("seed", range(6))
 def test_root_polynomials_of_simple_factors_are_what_elimination_gives(seed):
     """The principal part of A(s)^-1 at the zeros of every factor, by the method of every field."""

@@ -1,7 +1,6 @@
 """Polynomial matrices with symbols whose structure is known beforehand: the papers' examples, and products U(s) diag(d_i(s)) V(s)."""
 
 import sympy
-from sympy.polys.matrices import DomainMatrix
 
 from mbconstrained.exact.symbolic.symbolic_matrix import SymbolicPolynomialMatrix
 from tests.exact.symbolic.models import MASSLESS_JOINTS, RIGID_LINK, STEP_OF_A_DERIVATIVE, TWO_MASSES, k, m
@@ -75,38 +74,3 @@ MODELS = {
     "one factor": from_polynomials(sympy.Matrix([[m * s**2 + s + 2 * k, -k], [-k, s**2 + k]])),
     **PRODUCTS,
 }
-
-
-def over_field(A: SymbolicPolynomialMatrix, matrix: sympy.Matrix) -> DomainMatrix:
-    """A matrix of expressions over the field of A: equal entries are equal, whatever they are written as."""
-    rows = [[A.field.from_sympy(entry) for entry in row] for row in matrix.tolist()]
-    return DomainMatrix(rows, matrix.shape, A.field)
-
-
-def coefficients_of(A: SymbolicPolynomialMatrix) -> list[DomainMatrix]:
-    """A_0 ... A_q over the field."""
-    return [over_field(A, matrix) for matrix in A.coefficients]
-
-
-def identity(A: SymbolicPolynomialMatrix, size: int) -> DomainMatrix:
-    """I over the field."""
-    return over_field(A, sympy.eye(size))
-
-
-def stacked(A: SymbolicPolynomialMatrix, blocks: list[list[DomainMatrix]]) -> DomainMatrix:
-    """A matrix from its blocks."""
-    rows = [row[0].hstack(*row[1:]) for row in blocks]
-    return rows[0].vstack(*rows[1:])
-
-
-def powers(J: DomainMatrix, count: int) -> list[DomainMatrix]:
-    """I, J, ..., J^(count - 1)."""
-    found = [DomainMatrix.eye(J.shape[0], J.domain).to_dense()]
-    while len(found) < count:
-        found.append(found[-1] * J)
-    return found
-
-
-def same(one: DomainMatrix, two: DomainMatrix) -> bool:
-    """Equal entries: their differences vanish in the field."""
-    return one.shape == two.shape and all(not entry for row in (one - two).to_list() for entry in row)

@@ -14,7 +14,7 @@ WITH_ZEROS = {name: A for name, A in MODELS.items() if A.determinant.degree() > 
 
 
 def numbers(matrix, symbols, offset) -> mpmath.matrix:
-    rows = matrix.subs({symbol: VALUES[symbol.name] + offset for symbol in symbols}).tolist()
+    rows = matrix.xreplace({symbol: sympy.S(VALUES[symbol.name] + offset) for symbol in symbols}).tolist()
     return mpmath.matrix([[mpmath.mpmathify(sympy.N(entry, DIGITS + 20)) for entry in row] for row in rows])
 
 

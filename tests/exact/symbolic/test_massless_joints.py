@@ -50,12 +50,6 @@ def test_infinite_pair():
         assert A.jordan_pairs().laurent(1) == sympy.zeros(3)
 
 
-def test_laurent_coefficients():
-    H = NUMBERS.jordan_pairs().laurent
-    assert H(-1) == sympy.diag(0, sympy.Rational(1, 12), 0)
-    assert 90 * H(-2) == sympy.Matrix([[1, 1, 3], [1, 1, 3], [3, 3, 9]])
-
-
 def test_jump_projector_with_everything_free():
     """u1(0+) = k2/(k1 + k2) u3(0-), u2 and u3 go on, u1' = k2/(k1 + k2) u3'(0-), u2' = c2/(c1 + c2) u3'(0-)."""
     P = MASSLESS_JOINTS.jordan_pairs().jump_projector

@@ -44,6 +44,13 @@ def test_determinant_is_that_of_the_values(A):
     assert sympy.cancel(A.determinant.as_expr() - A(s).det(method="laplace"), extension=True) == 0
 
 
+@every
+def test_the_adjugate_times_the_matrix_is_the_determinant(A):
+    r = range(A.size)
+    total = [[sum((A.polynomials[i][l] * A.adjugate[l][j] for l in r), 0 * A.determinant) for j in r] for i in r]
+    assert all((total[i][j] - int(i == j) * A.determinant).is_zero for i in r for j in r)
+
+
 @pytest.mark.parametrize(
     "entries", [[[0, 1], [1, 0]], [[0, 0], [0, 0]], [[0, 1, 0], [0, 0, 1], [k, 0, 0]], [[1, 1], [1, -1]]], ids=str
 )

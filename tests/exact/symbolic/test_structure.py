@@ -1,7 +1,6 @@
 """Structures known beforehand, and those of random matrices against minors in rational arithmetic."""
 
 from fractions import Fraction
-from itertools import pairwise
 
 import pytest
 import sympy
@@ -13,6 +12,7 @@ from mbconstrained.exact.symbolic.symbolic_matrix import SymbolicPolynomialMatri
 from tests.exact.symbolic.gallery import PRODUCTS, from_polynomials, s
 from tests.exact.symbolic.models import k, m
 from tests.oracles import exact
+from tests.oracles.smith import partial_multiplicities
 
 DIVISORS = {
     "rational, derogatory": [1, s - k, (s - k) ** 3],
@@ -106,17 +106,7 @@ def test_against_minors_in_rational_arithmetic(matrices):
 
 
 def test_partial_multiplicities_from_ranks():
-    """The elementary divisors of s at 0 from the ranks of block Toeplitz matrices of A_0, A_1, ..."""
+    """The elementary divisors of s from the ranks of block Toeplitz matrices of A_0, A_1, ... at numbers for the symbols."""
     A = PRODUCTS["zero and a ratio"]
-    blocks = [*A.coefficients, *[sympy.zeros(3)] * 4]
-    nullities = [0]
-    for count in range(1, 5):
-        T = sympy.Matrix(
-            sympy.BlockMatrix(
-                [[blocks[i - j] if i >= j else sympy.zeros(3) for j in range(count)] for i in range(count)]
-            ).as_explicit()
-        )
-        nullities.append(3 * count - T.subs({k: 7, m: 3}).rank())
-    longer = [after - before for before, after in pairwise(nullities)]
-    expected = A.local_smith_form(0).exponents
-    assert longer == [sum(length > index for length in expected) for index in range(4)]
+    numbers = [[[Fraction(str(entry.subs({k: 7, m: 3}))) for entry in row] for row in M.tolist()] for M in A.coefficients]
+    assert partial_multiplicities(numbers, 0j, 4) == [e for e in A.local_smith_form(0).exponents if e]

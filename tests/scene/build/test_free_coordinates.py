@@ -1,22 +1,16 @@
 """Scenes whose equations leave a coordinate free or are redundant: check and run report it, [[motion]] chooses."""
 
 import re
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 import mbconstrained as mb
+from tests.scene.scenes import EXAMPLES, scene_of
 
-EXAMPLE = (Path(__file__).parents[3] / "examples" / "chosen_gripper.toml").read_text("utf-8")
+EXAMPLE = (EXAMPLES / "chosen_gripper.toml").read_text("utf-8")
 MOTION = EXAMPLE[EXAMPLE.index("[[motion]]\n") : EXAMPLE.index("[initial]")]
 CONTRADICTION = '\n[[force]]\ncoordinate = "gauge"\nkind = "step"\nvalue = 0.3\ndelay = "1 s"\n'
-
-
-def read(tmp_path, text):
-    path = tmp_path / "scene.toml"
-    path.write_text(text, encoding="utf-8")
-    return mb.read_scene(path)
 
 
 def test_without_a_choice_check_and_run_report_the_free_coordinates(tmp_path, command):
@@ -31,13 +25,13 @@ def test_without_a_choice_check_and_run_report_the_free_coordinates(tmp_path, co
 
 def test_contradictory_rows_are_refused_with_size_and_time(tmp_path):
     with pytest.raises(mb.NotSolvable, match='2 "tool" - "gauge": .* is -0.3 from t = 1 s on'):
-        read(tmp_path, EXAMPLE + CONTRADICTION)
+        scene_of(tmp_path, EXAMPLE + CONTRADICTION)
 
 
 def test_consistent_rows_run_with_a_notice(tmp_path):
     """Twice the force of the row that is doubled: 2 t - x - g = 0.3, and the tool is moved by 0.15."""
     both = CONTRADICTION + CONTRADICTION.replace("gauge", "tool").replace("0.3", "0.15")
-    scene = read(tmp_path, EXAMPLE + both)
+    scene = scene_of(tmp_path, EXAMPLE + both)
     assert [notice.text for notice in scene.notices if notice.kind == mb.NoticeKind.REDUNDANT] == [
         '"gauge" follows from the others and is left out: 2 "tool" - "gauge" leaves no coordinate and no force'
     ]
@@ -61,17 +55,17 @@ def test_consistent_rows_run_with_a_notice(tmp_path):
 )
 def test_what_does_not_fit_is_refused(tmp_path, old, new, text):
     with pytest.raises(mb.SceneError, match=re.escape(text)):
-        read(tmp_path, EXAMPLE.replace(old, new))
+        scene_of(tmp_path, EXAMPLE.replace(old, new))
 
 
 @pytest.mark.parametrize("name", ["modes", "random"])
 def test_modes_and_spectra_are_refused_by_name(tmp_path, name):
     with pytest.raises(mb.InputError, match=f"{name}: the equations are no regular system"):
-        getattr(read(tmp_path, EXAMPLE), name)()
+        getattr(scene_of(tmp_path, EXAMPLE), name)()
 
 
 def test_a_mechanical_system_names_the_coordinates_that_may_be_prescribed(tmp_path):
     text = '[model]\nkind = "matrices"\ncoordinates = ["a", "b"]\nmass = [[1, 0], [0, 0]]\n[time]\nend = 1\n'
     with pytest.raises(mb.SingularPolynomialMatrix, match='(?s)det A.*\\[\\[motion\\]\\] with coordinate = "b"'):
-        read(tmp_path, text)
-    read(tmp_path, text + '[[motion]]\ncoordinate = "b"\nkind = "ramp"\nvalue = 1\n')
+        scene_of(tmp_path, text)
+    scene_of(tmp_path, text + '[[motion]]\ncoordinate = "b"\nkind = "ramp"\nvalue = 1\n')

@@ -109,15 +109,6 @@ def test_message(tmp_path, old, new, message):
     assert str(caught.value).startswith("press/robot.toml: ")
 
 
-URDF_CASES = [
-    ('type="continuous"', 'type="continous"', r'press/press\.urdf: urdf.*"continous".*did you mean "continuous"'),
-    ('<child link="ram"/>', '<child link="rum"/>', r'urdf: .*its child is "rum", which is no link.*did you mean "ram"'),
-    ('<mass value="2"/>', '<mass value="-2"/>', r"urdf, .*mass: found -2"),
-    ("</robot>", "", r"urdf: .*not XML"),
-    ('<robot name="press">', '<robt name="press">', r"urdf: .*"),
-]
-
-
 MORE = """
 masses = { crank = "3 kg" }
 inertias = { ram = [1, "2 g*m^2", 3] }
@@ -169,10 +160,9 @@ def test_a_urdf_that_is_not_there_is_told_with_the_nearest_name(tmp_path):
         read_robot(press(tmp_path, TOML.replace('urdf = "press', 'urdf = "pres')))
 
 
-@pytest.mark.parametrize(("old", "new", "message"), URDF_CASES, ids=[new[:30] for _, new, _ in URDF_CASES])
-def test_message_about_the_urdf(tmp_path, old, new, message):
-    with pytest.raises(SceneError, match=message):
-        read_robot(press(tmp_path, urdf=URDF.replace(old, new, 1)))
+def test_messages_about_the_urdf_name_it(tmp_path):
+    with pytest.raises(SceneError, match=r'press/press\.urdf: urdf.*"continous".*did you mean "continuous"'):
+        read_robot(press(tmp_path, urdf=URDF.replace('type="continuous"', 'type="continous"')))
 
 
 HOPPER = """<mujoco model="hopper"><compiler angle="radian"/>

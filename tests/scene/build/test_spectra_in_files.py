@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-import mbconstrained as mb
 from mbconstrained.ground.errors import SceneError
+from tests.scene.scenes import scene_of
 
 BOX = """
 [model]
@@ -31,9 +31,8 @@ INLINE = 'frequencies = ["20 Hz", "80 Hz", "350 Hz", "2000 Hz"]\nvalues = [0.01,
 ROWS = ((0.02, 0.01), (0.08, 0.04), (0.35, 0.04), (2.0, 0.007))
 
 
-def scene_of(folder, entry):
-    (folder / "box.toml").write_text(BOX + entry)
-    return mb.read_scene(folder / "box.toml")
+def box(folder, entry):
+    return scene_of(folder, BOX + entry, "box.toml")
 
 
 @pytest.mark.parametrize("head", ["f (kHz);ASD (g^2/Hz);x", "f [kHz];ASD [g²/Hz];x", "f;ASD;x\nkHz;g^2/Hz;-"])
@@ -41,8 +40,7 @@ def test_a_spectrum_in_a_file(tmp_path, head):
     lines = (f"{f};{value};7".replace(".", ",") for f, value in ROWS)
     (tmp_path / "spec.csv").write_text("\r\n".join([head, *lines]), encoding="utf-8")
     rms = [
-        scene_of(tmp_path, entry).random().data["rms"]
-        for entry in (INLINE, 'file = "spec.csv"', 'file = "spec.csv"\ncolumn = "ASD"')
+        box(tmp_path, entry).random().data["rms"] for entry in (INLINE, 'file = "spec.csv"', 'file = "spec.csv"\ncolumn = "ASD"')
     ]
     assert rms[1] == pytest.approx(rms[0], rel=1e-14) and rms[2].tolist() == rms[1].tolist()
     assert rms[0][0] / 9.80665 == pytest.approx(2.6, abs=0.1)  # g, Miles: sqrt(pi / 2 f Q G) with f = 30 Hz, Q = 10, G about 0.016
@@ -50,13 +48,13 @@ def test_a_spectrum_in_a_file(tmp_path, head):
 
 def test_spectra_that_are_written_are_read_again(tmp_path):
     """The spectrum of the box as the input of another one: the same curve as from the arrays."""
-    answer = scene_of(tmp_path, INLINE).random()
+    answer = box(tmp_path, INLINE).random()
     answer.write(tmp_path, ["csv"])
     (_, f), (name, G) = list(answer.columns()[""].items())[:2]
     assert name == "box ((m/s^2)^2/Hz)"
     entry = f'file = "box.random.csv"\ncolumn = "{name}"'
     inline = f"frequencies = {f.tolist()}\nvalues = {G.tolist()}"
-    rms = [scene_of(tmp_path, one).random().data["rms"] for one in (entry, inline)]
+    rms = [box(tmp_path, one).random().data["rms"] for one in (entry, inline)]
     assert rms[0] == pytest.approx(rms[1], rel=1e-13)
     assert np.isfinite(rms[0]).all() and rms[0][0] > 0
 
@@ -78,9 +76,9 @@ def test_spectra_that_are_written_are_read_again(tmp_path):
 def test_mistakes_are_reported(tmp_path, content, entry, message):
     (tmp_path / "spec.csv").write_text(content)
     with pytest.raises(SceneError, match=message):
-        scene_of(tmp_path, f'file = "spec.csv"\n{entry}').random()
+        box(tmp_path, f'file = "spec.csv"\n{entry}').random()
 
 
 def test_a_column_belongs_to_a_file(tmp_path):
     with pytest.raises(SceneError, match="column: for a file only; give file, too"):
-        scene_of(tmp_path, f"{INLINE}\ncolumn = 2")
+        box(tmp_path, f"{INLINE}\ncolumn = 2")

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from mbconstrained.ground.errors import SceneError
-from mbconstrained.scene.run.scene import read_scene
 from tests.scene.scenes import scene_of
 
 CAR = """
@@ -41,9 +40,7 @@ end = 1
 
 
 def system(tmp_path, text, *change):
-    path = tmp_path / "scene.toml"
-    path.write_text(text.replace(*change) if change else text, encoding="utf-8")
-    return read_scene(path).equations.system
+    return scene_of(tmp_path, text.replace(*change) if change else text).equations.system
 
 
 @pytest.mark.parametrize("pitch", ['"1.01 m"', '"101 cm"', '"=a"'])

@@ -9,8 +9,7 @@ import pytest
 
 import mbconstrained as mb
 from mbconstrained.scene.run.certificate import Certified
-
-EXAMPLES = Path(__file__).parents[3] / "examples"
+from tests.scene.scenes import EXAMPLES, scene_of
 
 SCENE = """
 [model]
@@ -32,9 +31,7 @@ plots = ["displacement", "velocity"]
 
 
 def scene(tmp_path, extra="", text=SCENE):
-    path = tmp_path / "pair.toml"
-    path.write_text(text + extra)
-    return mb.read_scene(path)
+    return scene_of(tmp_path, text + extra, "pair.toml")
 
 
 def test_what_is_not_asked_for_is_not_done(tmp_path):
