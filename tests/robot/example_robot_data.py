@@ -46,55 +46,39 @@ def talos():
     return robot, {**guess, "base": sitting["root_joint"]}
 
 
-UNITREE = "FL_foot FR_foot RL_foot RR_foot"
+UNITREE, ANYMAL = "FL_foot FR_foot RL_foot RR_foot", "LF_FOOT RF_FOOT LH_FOOT RH_FOOT"
 
-#: Legged robots: URDF, SRDF with a posture (None: all joints at 0), feet, and what each foot does to the ground.
+#: Legged robots: folder, URDF, SRDF with a posture (None: all joints at 0), feet, and what each foot does to the ground.
 LEGGED = {
-    "anymal c": (
-        "anymal_c_simple_description/urdf/anymal.urdf",
-        "anymal_c_simple_description/srdf/anymal.srdf",
-        "LF_FOOT RF_FOOT LH_FOOT RH_FOOT",
-        "point",
-    ),
-    "hyq": (
-        "hyq_description/robots/hyq_no_sensors.urdf",
-        "hyq_description/srdf/hyq.srdf",
-        "lf_foot rf_foot lh_foot rh_foot",
-        "point",
-    ),
-    "go1": ("go1_description/urdf/go1.urdf", "go1_description/srdf/go1.srdf", "FL_foot FR_foot RL_foot RR_foot", "point"),
-    "g1": ("g1_description/urdf/g1_29dof_rev_1_0.urdf", None, "left_ankle_roll_link right_ankle_roll_link", "rigid"),
-    "romeo": ("romeo_description/urdf/romeo_small.urdf", "romeo_description/srdf/romeo_small.srdf", "l_sole r_sole", "rigid"),
-    **{
-        name: (f"{name}_description/urdf/{name}.urdf", srdf and f"{name}_description/srdf/{name}.srdf", UNITREE, "point")
-        for name, srdf in (("a1", True), ("go2", True), ("b1", True), ("laikago", None))
-    },
-    "solo12": (
-        "solo_description/robots/solo12.urdf",
-        "solo_description/srdf/solo.srdf",
-        "FL_FOOT FR_FOOT HL_FOOT HR_FOOT",
-        "point",
-    ),
-    **{
-        name: (
-            f"anymal_b_simple_description/robots/{name}.urdf",
-            f"anymal_b_simple_description/srdf/{name}.srdf",
-            "LF_FOOT RF_FOOT LH_FOOT RH_FOOT",
-            "point",
-        )
-        for name in ("anymal", "anymal-kinova")
-    },
+    "anymal c": ("anymal_c_simple_description", "urdf/anymal", "srdf/anymal", ANYMAL, "point"),
+    "hyq": ("hyq_description", "robots/hyq_no_sensors", "srdf/hyq", "lf_foot rf_foot lh_foot rh_foot", "point"),
+    "go1": ("go1_description", "urdf/go1", "srdf/go1", UNITREE, "point"),
+    "g1": ("g1_description", "urdf/g1_29dof_rev_1_0", None, "left_ankle_roll_link right_ankle_roll_link", "rigid"),
+    "romeo": ("romeo_description", "urdf/romeo_small", "srdf/romeo_small", "l_sole r_sole", "rigid"),
+    "a1": ("a1_description", "urdf/a1", "srdf/a1", UNITREE, "point"),
+    "go2": ("go2_description", "urdf/go2", "srdf/go2", UNITREE, "point"),
+    "b1": ("b1_description", "urdf/b1", "srdf/b1", UNITREE, "point"),
+    "laikago": ("laikago_description", "urdf/laikago", None, UNITREE, "point"),
+    "solo12": ("solo_description", "robots/solo12", "srdf/solo", "FL_FOOT FR_FOOT HL_FOOT HR_FOOT", "point"),
+    "anymal": ("anymal_b_simple_description", "robots/anymal", "srdf/anymal", ANYMAL, "point"),
+    "anymal-kinova": ("anymal_b_simple_description", "robots/anymal-kinova", "srdf/anymal-kinova", ANYMAL, "point"),
 }
+
+
+def legged_urdf(name: str) -> Path:
+    folder, urdf, *_ = LEGGED[name]
+    return file(f"{folder}/{urdf}.urdf")
 
 
 def standing(name: str, seed: int):
     """(robot, guess): on two to four feet, or on two soles, near the posture of the SRDF; joint springs and dampers of any size."""
     rng = np.random.default_rng(seed)
-    urdf, srdf, feet, kind = LEGGED[name]
-    tree = ElementTree.parse(file(srdf)) if srdf else ElementTree.ElementTree(ElementTree.Element("robot"))
-    state = next(tree.iter("group_state"), ())
+    own, _, srdf, feet, kind = LEGGED[name]
+    urdf, state = legged_urdf(name), ()
+    if srdf:
+        state = next(ElementTree.parse(file(f"{own}/{srdf}.srdf")).iter("group_state"), ())
     given = {item.get("name"): [float(x) for x in item.get("value").split()] for item in state}
-    bare = mb.Robot(file(urdf), base="free")
+    bare = mb.Robot(urdf, base="free")
     guess = {}
     for joint in bare.joints[1:]:
         low, high = bare.limits.get(joint, (-np.inf, np.inf))
@@ -103,6 +87,6 @@ def standing(name: str, seed: int):
     standing_on = feet.split()[: 2 + seed % 3]
     loops = [mb.Loop(foot, (0, 0, 0), "ground", kind=kind, name=foot) for foot in standing_on]
     stiffness, damping = ({name: float(10 ** rng.uniform(*decades)) for name in guess} for decades in ((1.5, 3.5), (-1, 1)))
-    robot = mb.Robot(file(urdf), loops=loops, base="free", joint_stiffness=stiffness, joint_rest=guess, joint_damping=damping)
+    robot = mb.Robot(urdf, loops=loops, base="free", joint_stiffness=stiffness, joint_rest=guess, joint_damping=damping)
     base = next((value for value in given.values() if len(value) == 7), [0, 0, 1, 0, 0, 0, 1])
     return robot, {**guess, "base": base}

@@ -177,8 +177,7 @@ def test_loops_made_almost_dependent_are_never_trusted(name, distance):
     foot = robot.loops[0].body1
     springs = {joint: k for joint, k in zip(robot.coordinates, robot.joint_stiffness) if k}
     loops = [*robot.loops, mb.Loop(foot, (0, 0.6 * distance, 0.8 * distance), "ground", name="extra")]
-    text = example_robot_data.file(example_robot_data.LEGGED[name][0])
-    twice = mb.Robot(text, base="free", loops=loops, joint_stiffness=springs)
+    twice = mb.Robot(example_robot_data.legged_urdf(name), base="free", loops=loops, joint_stiffness=springs)
     system = twice.linearize(twice.equilibrium(guess, hold="all"))
     assert len(system.rows) == len(robot.linearize(robot.equilibrium(guess, hold="all")).rows)
     assert [notice for notice in system.notices if notice.doubtful]
