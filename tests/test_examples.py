@@ -2,6 +2,7 @@
 
 import math
 import re
+import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -305,11 +306,10 @@ def test_every_scene_has_a_thumbnail_in_the_index():
     assert [name for name in sorted(names) if f'"{name}"' not in tested and f'"{name}.toml"' not in tested] == []
 
 
-@pytest.mark.parametrize("path", sorted(EXAMPLES.glob("*.toml")), ids=lambda path: path.stem)
-def test_every_example_says_what_it_is(path):
-    scene = read_scene(path)
-    assert scene.table.title and scene.table.source
-    assert path.read_text("utf-8").startswith("# ")
+def test_every_example_says_what_it_is():
+    for path in EXAMPLES.glob("*.toml"):
+        tables = tomllib.loads(path.read_text("utf-8"))
+        assert tables["title"] and tables["source"] and path.read_text("utf-8").startswith("# "), path.name
 
 
 def test_the_stiff_stack_follows_its_soft_spring():

@@ -17,7 +17,7 @@ import numpy as np
 
 from ..exchange.trajectories import csv_of, write_arrays
 from ..ground.by_name import answering
-from ..ground.checks import listed, nearest, optional_package
+from ..ground.checks import check_known, listed, nearest, optional_package
 from ..ground.display import WIDTH, Pictured, TextTable, finite_or_none
 from ..ground.errors import InputError
 from ..ground.files import Replacements
@@ -204,8 +204,7 @@ class Answer(Pictured):
         """
         folder, formats = Path(folder), [formats] if isinstance(formats, str) else list(formats)
         for one in formats:
-            if one not in FORMATS:
-                raise InputError(f"formats: found {one!r}{nearest(one, FORMATS)}; expected some of {', '.join(FORMATS)}")
+            check_known(one, FORMATS, "formats")
         if files is None:
             with Replacements(lambda: self.kept) as files:
                 return Answer.write(self, folder, formats, viewer, files)
@@ -269,6 +268,11 @@ class Analysis:
         """An answer with these fields, and the name, title, source and notices of the scene where no others are given."""
         own = {"title": scene.title, "source": scene.table.source, "facts": (), "tables": (), "notices": scene.notices}
         return Answer(kind=cls.name, name=scene.name, **{**own, **fields})
+
+    @classmethod
+    def of_file(cls, path: Path, source: str, **fields: Any) -> Answer:
+        """An answer with these fields on a file that is no scene."""
+        return Answer(kind=cls.name, name=path.stem, title=path.name, source=source, **fields)
 
     @classmethod
     def answer(cls, scene: Any, progress: Callable | None = None, **given) -> Answer:

@@ -87,4 +87,4 @@ def _plots(runs: Mapping[str, Any]) -> Iterator[Plot]:
                 if kind not in ORDERS or wanted.coordinates is None or name in wanted.coordinates:
                     groups.setdefault((name, title, unit), []).append(Curve(label, curves.values[i], function=(functions, i)))
         for (name, title, unit), own in groups.items():
-            yield Plot(f"{name}: {title}", "" if unit == "1" else unit, first.times, tuple(own))
+            yield Plot(f"{name}: {title}", unit, first.times, tuple(own))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
@@ -150,16 +150,9 @@ class DiscreteRunAnswer(RunAnswer):
         rows = []
         h = self.scene.table.time.step
         for z in self._eigenvalues_z:
-            turning = z.imag or z.real < 0
-            hz = number_text(abs(np.angle(z)) / (2 * np.pi * h)) if turning else "-"
-            rows.append(
-                (
-                    _complex_text(z),
-                    number_text(abs(z)),
-                    hz,
-                    "grows" if abs(z) > 1 + EPS**0.5 else "stays" if abs(z) > 1 - EPS**0.5 else "decays",
-                )
-            )
+            hz = number_text(abs(np.angle(z)) / (2 * np.pi * h)) if z.imag or z.real < 0 else "-"
+            change = "grows" if abs(z) > 1 + EPS**0.5 else "stays" if abs(z) > 1 - EPS**0.5 else "decays"
+            rows.append((_complex_text(z), number_text(abs(z)), hz, change))
         shown = self._coordinates.shown
         largest = [
             (name, shown.text(row[k := int(np.abs(row).argmax())], unit, name), str(self.numbers[k]))
@@ -175,59 +168,50 @@ class DiscreteRunAnswer(RunAnswer):
         """Notices on the answer, and doubts about it."""
         equations = self.scene.equations
         start = () if equations.are_bare or equations.has_outputs_among_coordinates else start_notices(equations)
-        moves = np.ptp(self.values, axis=1).any()
-        at_rest = (
-            () if moves else (Notice(NoticeKind.AT_REST, "all samples are equal: the start is one of rest, and no force changes"),)
-        )
         doubts = doubts_of("the samples", self.error_estimate)
-        own = (*start, *self.sequence.notices, *self._aliasing_notices, *self._hold_notices, *self._left_out_notices)
-        return distinct(self.scene.notices, own, at_rest, self._robot_notices, doubts)
+        return distinct(self.scene.notices, start, self.sequence.notices, self._own_notices(), self._robot_notices, doubts)
 
-    @cached_property
-    def _aliasing_notices(self) -> tuple[Notice, ...]:
-        """A notice where the continuous model vibrates above the Nyquist frequency."""
-        x = self.sequence
-        if not isinstance(x, DiscreteStateSpaceResponse) or x.system.origin is None:
-            return ()
+    def _own_notices(self) -> Iterator[Notice]:
+        """Frequencies above the Nyquist frequency, forces that differ from their hold, what is left out, and rest."""
+        if isinstance(self.sequence, DiscreteStateSpaceResponse):
+            yield from self._aliasing(self.sequence)
+            yield from self._deviations(self.sequence)
+        if self.scene.table.frequency is not None:
+            text = "[frequency] is left out of a run in discrete time; the command frequency answers it for the continuous model"
+            yield Notice(NoticeKind.OMITTED, text)
+        if not np.ptp(self.values, axis=1).any():
+            yield Notice(NoticeKind.AT_REST, "all samples are equal: the start is one of rest, and no force changes")
+
+    @staticmethod
+    def _aliasing(x: DiscreteStateSpaceResponse) -> Iterator[Notice]:
+        """Whether the continuous model vibrates above the Nyquist frequency."""
+        if x.system.origin is None:
+            return
         nyquist = x.system.nyquist_hz
         poles = x.system.origin.system.polynomial_matrix().eigenvalues
         above = sorted({f"{hz:.4g}" for hz in np.abs(poles.imag) / (2 * np.pi) if hz > nyquist * (1 + EPS**0.5)}, key=float)
-        if not above:
-            return ()
-        text = (
-            f"the model vibrates at {listed(above)} Hz, above the Nyquist frequency of {number_text(nyquist)} Hz: the samples are "
-            f"right, but look like those of a lower frequency (aliasing); a step below {0.5 / float(above[-1]):.3g} s shows it"
-        )
-        return (Notice(NoticeKind.ALIASING, text),)
+        if above:
+            text = (
+                f"the model vibrates at {listed(above)} Hz, above the Nyquist frequency of {number_text(nyquist)} Hz: the samples are "
+                f"right, but look like those of a lower frequency (aliasing); a step below {0.5 / float(above[-1]):.3g} s shows it"
+            )
+            yield Notice(NoticeKind.ALIASING, text)
 
-    @cached_property
-    def _hold_notices(self) -> tuple[Notice, ...]:
-        """A notice where forces between samples differ from their hold."""
-        x, equations, time = self.sequence, self.scene.equations, self.scene.table.time
-        if not isinstance(x, DiscreteStateSpaceResponse):
-            return ()
-        u = _forces(equations)
+    def _deviations(self, x: DiscreteStateSpaceResponse) -> Iterator[Notice]:
+        """Whether forces between samples differ from their hold."""
+        u, time = _forces(self.scene.equations), self.scene.table.time
         ends = u(time.step * np.arange(self.numbers[-1] + 1))
         middle = u(time.step * (np.arange(self.numbers[-1]) + 0.5))
-        deviation = np.abs(middle - (ends[:, :-1] + ends[:, 1:]) / 2 if time.hold else middle - ends[:, :-1]).max(
-            axis=1, initial=0.0
-        )
+        held = (ends[:, :-1] + ends[:, 1:]) / 2 if time.hold else ends[:, :-1]
+        deviation = np.abs(middle - held).max(axis=1, initial=0.0)
         size = np.maximum(np.abs(ends).max(axis=1), np.abs(middle).max(axis=1, initial=0.0))
         part = np.divide(deviation, size, out=np.zeros(len(size)), where=size > 0)
-        if not len(part) or part.max() <= SAME_HOLD:
-            return ()
-        text = (
-            f"{x.system.inputs[int(part.argmax())]}: between samples the given signal is up to {100 * part.max():.3g} % of its largest value "
-            f"off its hold (hold = {time.hold}); the samples are those of the hold, a smaller step brings them nearer"
-        )
-        return (Notice(NoticeKind.ALIASING, text),)
-
-    @property
-    def _left_out_notices(self) -> tuple[Notice, ...]:
-        if self.scene.table.frequency is None:
-            return ()
-        text = "[frequency] is left out of a run in discrete time; the command frequency answers it for the continuous model"
-        return (Notice(NoticeKind.OMITTED, text),)
+        if part.max(initial=0.0) > SAME_HOLD:
+            text = (
+                f"{x.system.inputs[int(part.argmax())]}: between samples the given signal is up to {100 * part.max():.3g} % of its largest "
+                f"value off its hold (hold = {time.hold}); the samples are those of the hold, a smaller step brings them nearer"
+            )
+            yield Notice(NoticeKind.ALIASING, text)
 
     @property
     def _robot_notices(self) -> tuple[Notice, ...]:
@@ -293,7 +277,7 @@ class DiscreteRunAnswer(RunAnswer):
         title = title or ("output" if self._called == "outputs" else "displacement" if unit == "m" else "samples")
         return Plot(
             f"{title}, sample by sample",
-            "" if shown == "1" else shown,
+            shown,
             self.numbers.astype(float),
             tuple(curves),
             across_unit="",

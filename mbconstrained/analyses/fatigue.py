@@ -7,7 +7,7 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar, cast
+from typing import TYPE_CHECKING, Any, ClassVar, cast
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from ..frequency.random.spectra import Spectrum
 from ..frequency.shock.response_spectrum import UNITS
 from ..ground.display import TextTable, number_text
 from ..ground.errors import InputError, named
-from ..ground.notices import Notice, NoticeKind, distinct
+from ..ground.notices import distinct
 from ..ground.quantities import quantity as number_of
 from ..mechanics.peaks import cycles
 from ..page.content import Curve, Plot
@@ -27,7 +27,7 @@ from ..scene.schema.analysis_tables import FatigueTable
 from ..signals.impulsive import ImpulsiveSmooth
 from .base import Analysis, Answer
 from .random import random_response
-from .shock import excitation_of, natural_range, no_spectrum, prescribed_rows
+from .shock import excitation_of, natural_range, no_spectrum, unknown_unit
 
 if TYPE_CHECKING:
     from ..frequency.random.random_response import RandomResponse
@@ -69,10 +69,10 @@ class Fatigue(Analysis):
             histories = _histories(scene, settings, motion, end)
             random = _random(scene, settings, list(histories))
             part = _Counted(settings, scene.equations.coordinates.shown, histories, end, random, settings.quantity)
-            spectra, motions = tuple(_spectra(scene, settings)), prescribed_rows(scene)
+            spectra, motions = tuple(_spectra(scene, settings)), scene.table.prescribed
             omitted = () if spectra or not motions else (no_spectrum(scene, "fatigue damage spectrum", motions),)
             notices = distinct(scene.notices, scene.equations.form_notices, motion.notices, omitted)
-            return _answer(scene.name, scene.title, scene.table.source, part, scene.heading, spectra, notices)
+            return cls.of(scene, heading=scene.heading, notices=notices, **_fields(part, spectra))
 
     @classmethod
     def of_record(cls, path: Path, table: FatigueTable, **reading) -> Answer:
@@ -81,17 +81,14 @@ class Fatigue(Analysis):
             record = record_in_si(path, expected="m/s^2", **reading)
         except InputError:  # not an acceleration, or wrong in any unit
             record = record_in_si(path, **reading)
-        is_acceleration, notices = record.unit in ("m/s^2", ""), record.notices
-        if not record.unit:
-            text = f"{path.name}: the unit of the values is not known; m/s² is taken: give unit"
-            notices = (*notices, Notice(NoticeKind.OMITTED, text))
+        is_acceleration, notices = record.unit in ("m/s^2", ""), (*record.notices, *unknown_unit(path, record))
         unit, name = record.unit or "m/s^2", record.name or path.stem
         with at(path.name, "fatigue"):
             histories = {name: replace(rainflow(record.values), unit=unit)}
             units = OutputUnits((record.unit_in_file,) if record.unit_in_file else ())
             part = _Counted(table, units, histories, float(np.ptp(record.times)), None, "record")
             spectra = (_Damage(table, name, record.signal),) if is_acceleration else ()
-            return _answer(path.stem, path.name, "Cycles of a record", part, "", spectra, notices)
+            return cls.of_file(path, "Cycles of a record", notices=notices, **_fields(part, spectra))
 
 
 def _histories(scene: Scene, settings: FatigueTable, motion: Motion, end: float) -> dict[str, CycleCount]:
@@ -131,7 +128,7 @@ def _random(scene: Scene, settings: FatigueTable, outputs: list[str]) -> RandomR
 
 def _spectra(scene: Scene, settings: FatigueTable) -> Iterator[_Damage]:
     """The damage spectra of the support: under its motion, and under that of [random]."""
-    if (excitation := excitation_of(scene, settings.of, prescribed_rows(scene))) is not None:
+    if (excitation := excitation_of(scene, settings.of, scene.table.prescribed)) is not None:
         coordinate, unit, signal = excitation
         if unit == "m":
             yield _Damage(settings, coordinate, signal)
@@ -270,17 +267,12 @@ def _duration(seconds: float) -> str:
     return f"{number_text(seconds / size)} {unit}"
 
 
-def _answer(name, title, source, part: _Counted, heading: str, damages: tuple[_Damage, ...], notices) -> Answer:
+def _fields(part: _Counted, damages: tuple[_Damage, ...]) -> dict[str, Any]:
+    """The fields of an answer with cycles and damage spectra."""
     k, settings = part.settings.exponent, part.settings
     spectra = {one.name: one.spectrum for one in damages}
-    tables = [*part.tables()]
-    facts = [
-        (
-            "S-N curve",
-            f"N = (strength / amplitude)^{k:g}, " + (f"strength {settings.strength}" if settings.strength else "no strength given"),
-        )
-    ]
-    unit = UNITS[settings.spectrum]
+    strength, unit = f"strength {settings.strength}" if settings.strength else "no strength given", UNITS[settings.spectrum]
+    facts = [("S-N curve", f"N = (strength / amplitude)^{k:g}, {strength}")]
     for own, S in spectra.items():
         zeta = S.damping_ratio
         text = f"{own}, {S.frequencies_hz[0]:.4g} to {S.frequencies_hz[-1]:.4g} Hz, {S.quantity}, damping ratio {zeta:g} (Q = {0.5 / zeta:.4g})"
@@ -322,28 +314,8 @@ def _answer(name, title, source, part: _Counted, heading: str, damages: tuple[_D
                     across_unit="Hz", quantity="damage", variable="frequency", scales=("log", "log"),
                 )  # fmt: skip
 
-    every = [
-        {
-            "of": own,
-            "quantity": S.quantity,
-            "damping_ratio": S.damping_ratio,
-            "frequencies_hz": S.frequencies_hz,
-            "damage": S.damage,
-        }
-        for own, S in spectra.items()
-    ]
+    keys = ("quantity", "damping_ratio", "frequencies_hz", "damage")
+    every = [{"of": own, **{key: getattr(S, key) for key in keys}} for own, S in spectra.items()]
     data = {"exponent": k, "duration": part.duration, "cycles": part.rows, "random": part.random_rows, "spectra": every}
-    return Answer(
-        kind="fatigue",
-        name=name,
-        title=title,
-        source=source,
-        facts=tuple(facts),
-        tables=tuple(tables),
-        notices=notices,
-        data=data,
-        plots=plots,
-        columns=columns,
-        arrays=arrays,
-        heading=heading,
-    )
+    tables = tuple(part.tables())
+    return {"facts": tuple(facts), "tables": tables, "data": data, "plots": plots, "columns": columns, "arrays": arrays}

@@ -50,7 +50,8 @@ def formula_of(
 ) -> ClosedForm:
     """The formula of each coordinate, with impulses, jumps, conditions and assumptions."""
     _check_coordinates(scene, coordinates)
-    _check_size(scene)
+    if reason := too_large_for_formula(scene):
+        raise InputError(f"{reason}; take a smaller model, or run the scene: its answer is evaluated at any time all the same")
     try:
         with time_limit(seconds):
             form = _solved(scene, numbers, coordinates, progress or (lambda text: None))
@@ -105,11 +106,6 @@ def _check_coordinates(scene: SceneData, names: Sequence[str] | None) -> None:
             raise InputError(f'the coordinate "{name}" is named twice; name each once')
         if name not in known:
             raise InputError(f'there is no coordinate "{name}"{nearest(name, known)}; there are {", ".join(known)}')
-
-
-def _check_size(scene: SceneData) -> None:
-    if reason := too_large_for_formula(scene):
-        raise InputError(f"{reason}; take a smaller model, or run the scene: its answer is evaluated at any time all the same")
 
 
 def _advice(scene: SceneData, numbers: bool) -> str:

@@ -12,7 +12,7 @@ import numpy as np
 from ..control.transfer_function import transfer_function_response
 from ..frequency.features import Antiresonance, Peak, frequencies_by_poles, poles_of
 from ..frequency.frequency_response import FrequencyResponse, arrays_of, evaluated, frequency_response
-from ..frequency.plots import AXIS_FACTORS
+from ..frequency.plots import AXIS_FACTORS, continuous_phase, principal_phase
 from ..frequency.pole_residue_form import poles_on_axis
 from ..ground.checks import counted
 from ..ground.coordinate_units import force_unit, rate_unit
@@ -124,27 +124,6 @@ class _Drawn:
         )
 
 
-def frequency_plots(
-    response: FrequencyResponse, table: FrequencyTable, colors: Sequence[int], units: np.ndarray, factors: np.ndarray
-) -> tuple[Plot, ...]:
-    """The plots of a response that a table selects, amplitude and phase of one unit side by side, with a colour for each output."""
-    if (response.frequencies_hz > 0).sum() < 2:
-        return ()
-    drawn, plots = _Drawn(response, table, colors), []
-    groups: dict[str, list[_Entry]] = {}
-    for i, j in np.ndindex(len(response.outputs), len(response.inputs)):
-        name = f"{response.outputs[i]} by {response.inputs[j]}" if len(response.inputs) > 1 else response.outputs[i]
-        groups.setdefault(str(units[i, j]), []).append(_Entry(i, j, name, float(factors[i, j])))
-    by = f' by "{response.inputs[0]}"' if len(response.inputs) == 1 else ""
-    titled = [(unit, entries, response.harmonic.quantity_of([entry.i for entry in entries])) for unit, entries in groups.items()]
-    for unit, entries, quantity in titled:
-        own = f" ({unit})" if [other for _, _, other in titled].count(quantity) > 1 else ""
-        titles = f"{quantity}{own}{by}", quantity, "" if unit == "1" else unit
-        for kind in table.plots:
-            plots += _KINDS[kind](drawn, entries, *titles)
-    return tuple(plots)
-
-
 def _plot(drawn: _Drawn, title: str, unit: str, curves: tuple[Curve, ...], quantity: str, vertical: Scale = "linear") -> Plot:
     axes: dict[str, Any] = {"across_unit": drawn.table.axis, "variable": "frequency", "scales": ("log", vertical)}
     return Plot(title, unit, drawn.axis_factor * drawn.lines, curves, quantity=quantity, **axes)
@@ -171,7 +150,7 @@ def _bode(drawn: _Drawn, entries: list[_Entry], title: str, quantity: str, unit:
         one = np.full(len(drawn.lines), 0.0 if is_decibel else 1.0)
         curves += (Curve("as the support", one, max(curve.color or 0 for curve in curves) + 1),)
     vertical: Scale = "log" if drawn.table.amplitude == "log" and any((curve.values > 0).any() for curve in curves) else "linear"
-    shown = f"dB re 1 {unit}".rstrip() if is_decibel else unit
+    shown = ("dB re 1" if unit == "1" else f"dB re 1 {unit}") if is_decibel else unit
     phases = drawn.curves(present, _phase(drawn, present))
     if not present:
         return []
@@ -180,23 +159,14 @@ def _bode(drawn: _Drawn, entries: list[_Entry], title: str, quantity: str, unit:
 
 def _phase(drawn: _Drawn, entries: list[_Entry]) -> Callable[[_Entry, np.ndarray, np.ndarray], np.ndarray]:
     """Phases in degrees, continued beyond 180 by the number of turns at the lines where requested."""
-
-    def principal(H: np.ndarray) -> np.ndarray:
-        angles = np.degrees(np.angle(H))
-        return np.where(angles > 180.0 - 1e-9, angles - 360.0, angles)  # past an undamped resonance -180
-
     if drawn.table.phase != "unwrapped":
-        return lambda entry, _, H: principal(H)
-    turns = {each: drawn.harmonic.dead_time(each.j) for each in entries}
-
-    def undelayed(each: _Entry) -> np.ndarray:  # dead times may turn it by more than half a turn from line to line
-        return np.unwrap(principal(drawn.values[each.i, each.j] * np.exp(2j * np.pi * turns[each] * drawn.lines)), period=360.0)
-
-    along = {each: undelayed(each) for each in entries}
+        return lambda entry, _, H: principal_phase(H)
+    dead_times, values = drawn.harmonic.dead_time, drawn.values
+    along = {each: continuous_phase(values[each.i, each.j], drawn.lines, dead_times(each.j)) for each in entries}
 
     def unwrapped(entry: _Entry, frequencies: np.ndarray, H: np.ndarray) -> np.ndarray:
-        own, near = principal(H), np.interp(frequencies, drawn.lines, along[entry]) - 360.0 * turns[entry] * frequencies
-        return own + 360.0 * np.round((near - own) / 360.0)
+        own = principal_phase(H)
+        return own + 360.0 * np.round((np.interp(frequencies, drawn.lines, along[entry]) - own) / 360.0)
 
     return unwrapped
 
@@ -350,8 +320,7 @@ class Frequency(Analysis):
         table, scene = self.table, self.scene.table
         if table.inputs is not None:
             return table.inputs
-        names = [name for motion in scene.motion for name in motion.rows]
-        motions = [row.name for row in self.system.rows if row.name in names]
+        motions = [row.name for row in self.system.rows if row.name in scene.prescribed]
         if table.quantity == "transmissibility":
             if not (motions or self.system.rows):
                 raise InputError(
@@ -362,11 +331,7 @@ class Frequency(Analysis):
             return motions
         known = channels(self.system, "outputs" if self.is_inverse else "inputs")
         loaded = [load.title for load in scene.force if load.title in known]
-        return list(dict.fromkeys(loaded)) or [name for name in self.system.names if name not in self._prescribed]
-
-    @property
-    def _prescribed(self) -> set[str]:
-        return {coordinate for motion in self.scene.table.motion for coordinate, _ in motion.rows.values()}
+        return list(dict.fromkeys(loaded)) or [name for name in self.system.names if name not in scene.prescribed.values()]
 
     def _outputs(self) -> list[str] | None:
         if self.table.outputs is not None:
@@ -384,7 +349,8 @@ class Frequency(Analysis):
             return self._inputs()
         if self.system.named_directions("outputs"):  # of a robot
             return list(self.system.named_directions("outputs"))
-        moving = [name for name in self.system.names if name not in self._prescribed] or list(self.system.names)
+        prescribed = self.scene.table.prescribed.values()
+        moving = [name for name in self.system.names if name not in prescribed] or list(self.system.names)
         return [*moving, *(name for name in self.system.quantities if name not in self.system.names)]
 
     def _lines(self) -> np.ndarray:
@@ -566,10 +532,23 @@ class Frequency(Analysis):
             yield f"real {name}", values[i, j].real
             yield f"imag {name}", values[i, j].imag
 
-    def _plots(self) -> tuple[Plot, ...]:
-        names = self.scene.equations.coordinates.names
-        colors = tuple(names.index(name) if name in names else i for i, name in enumerate(self.response.outputs))
-        return frequency_plots(self.response, self.table, colors, *self.shown)
+    def _plots(self) -> Iterator[Plot]:
+        """The plots that the table selects, amplitude and phase of one unit side by side, with a colour for each output."""
+        response, (units, factors), names = self.response, self.shown, self.scene.equations.coordinates.names
+        if (response.frequencies_hz > 0).sum() < 2:
+            return
+        colors = [names.index(name) if name in names else i for i, name in enumerate(response.outputs)]
+        drawn = _Drawn(response, self.table, colors)
+        groups: dict[str, list[_Entry]] = {}
+        for i, j in np.ndindex(units.shape):
+            name = f"{response.outputs[i]} by {response.inputs[j]}" if len(response.inputs) > 1 else response.outputs[i]
+            groups.setdefault(str(units[i, j]), []).append(_Entry(i, j, name, float(factors[i, j])))
+        by = f' by "{response.inputs[0]}"' if len(response.inputs) == 1 else ""
+        quantities = [response.harmonic.quantity_of([entry.i for entry in entries]) for entries in groups.values()]
+        for (unit, entries), quantity in zip(groups.items(), quantities):
+            own = f" ({unit})" if quantities.count(quantity) > 1 else ""
+            for kind in self.table.plots:
+                yield from _KINDS[kind](drawn, entries, f"{quantity}{own}{by}", quantity, unit)
 
     def deflections(self) -> Deflections | None:
         """Shapes of all coordinates at each frequency under a unit of an input; None where the model has no places, or nothing to draw."""

@@ -52,7 +52,7 @@ def plots_of_kind(result: Result, curves: Curves) -> list[Plot]:
         curve = Curve(curves.names[i], values[i], i, (functions, i))
         groups.setdefault((curves.titles[i], curves.units[i]), []).append(curve)
     phases = result.motion.phases if result.is_switched else ()
-    return [Plot(title, _shown(unit), times, tuple(drawn), phases=phases) for (title, unit), drawn in groups.items()]
+    return [Plot(title, unit, times, tuple(drawn), phases=phases) for (title, unit), drawn in groups.items()]
 
 
 def _relative_plots(result: Result) -> Iterator[Plot]:
@@ -69,7 +69,7 @@ def _relative_plots(result: Result) -> Iterator[Plot]:
     times = _drawn_times(result, relative, [unit] * len(places))
     drawn = tuple(Curve(curves.names[i], row, i, (relative, k)) for k, (i, row) in enumerate(zip(places, relative.at(times))))
     phases = result.motion.phases if result.is_switched else ()
-    yield Plot(f"displacement relative to {name}", _shown(unit), times, drawn, quantity="relative displacement", phases=phases)
+    yield Plot(f"displacement relative to {name}", unit, times, drawn, quantity="relative displacement", phases=phases)
 
 
 def _followers(result: Result) -> tuple[int, list[int]]:
@@ -79,7 +79,7 @@ def _followers(result: Result) -> tuple[int, list[int]]:
     K x = A^T lambda, A x = 1 in the row of the support and 0 in all others.
     """
     scene, system = result.scene, result.scene.equations.system
-    rows = {name: coordinate for motion in scene.table.motion for name, (coordinate, _) in motion.rows.items()}
+    rows = scene.table.prescribed
     if system is None or system.is_sparse or len(set(rows.values())) != 1 or not set(rows.values()) <= set(system.names):
         return 0, []
     A, size = system.constraint_matrix, system.size
@@ -110,16 +110,12 @@ def _phase_planes(result: Result) -> list[Plot]:
     return [
         Plot(
             f"phase plane of {places.names[i]}",
-            _shown(rates.units[i]),
+            rates.units[i],
             times,
             (Curve(places.names[i], up[i], i, (functions[1], i)),),
             across=Curve(places.titles[i], along[i], function=(functions[0], i)),
-            across_unit=_shown(places.units[i]),
+            across_unit=places.units[i],
             quantity=rates.titles[i],
         )
         for i in moving[:MOST_PLANES]
     ]
-
-
-def _shown(unit: str) -> str:
-    return "" if unit == "1" else unit

@@ -96,7 +96,7 @@ def _excitations(scene: Scene, table: OrdersTable) -> Iterator[_Excitation]:
     """The excitations of the table, and the unbalance of a rotor."""
     system, rotor = scene.equations.system, scene.equations.rotor
     known = channels(system, "inputs")
-    prescribed = {coordinate: row for motion in scene.table.motion for row, (coordinate, _) in motion.rows.items()}
+    prescribed = {coordinate: row for row, coordinate in scene.table.prescribed.items()}
     for number, one in enumerate(table.excitation, 1):
         with named(f"excitation[{number}]"):
             (channel,) = chosen_by_name("on", prescribed.get(one.on, one.on), known, ())
@@ -240,21 +240,23 @@ class _RunUp:
         """Whether all orders have a common period."""
         return common_rate(self.orders) is not None
 
+    def _at_own(self, speeds: np.ndarray) -> np.ndarray:
+        """Complex amplitudes of each output at a speed of its own, shape (orders, outputs)."""
+        each, orders = np.arange(len(self.outputs)), np.arange(len(self.orders))
+        values = self.at(np.repeat(orders, len(each)), np.tile(speeds, len(orders))).reshape(len(each), len(orders), len(each))
+        return values[each, :, each].T
+
     @cached_property
     def maxima(self) -> tuple[np.ndarray, np.ndarray]:
         """The largest moduli of all speeds and the speeds where they are, shape (outputs,) each, between the speeds by golden sections."""
         known = self.largest
         best = known.argmax(axis=1)
         low, high = (self.speeds[np.clip(best + step, 0, len(self.speeds) - 1)] for step in (-1, 1))
-        count = len(self.outputs)
 
         def of(speeds: np.ndarray) -> np.ndarray:
-            places = np.repeat(np.arange(len(self.orders)), count)
-            values = self.at(places, np.tile(speeds, len(self.orders))).reshape(count, len(self.orders), count)
-            own = values[np.arange(count), :, np.arange(count)].T
-            return largest_modulus(self.orders, own)
+            return largest_modulus(self.orders, self._at_own(speeds))
 
-        tops, places = known[np.arange(count), best], self.speeds[best]
+        tops, places = known.max(axis=1), self.speeds[best]
         inner = [high - GOLDEN * (high - low), low + GOLDEN * (high - low)]
         heights = [of(speeds) for speeds in inner]
         for _ in range(STEPS):
@@ -315,12 +317,9 @@ class _RunUp:
     def tables(self) -> Iterator[TextTable]:
         """The largest values of each output, and the resonances."""
         tops, places = self.maxima
-        rows = []
-        at_top = self.at(np.repeat(np.arange(len(self.orders)), len(places)), np.tile(places, len(self.orders))).reshape(
-            len(self.outputs), len(self.orders), -1
-        )
+        rows, at_top = [], self._at_own(places)
         for i, name in enumerate(self.outputs):
-            own = at_top[i, :, i]
+            own = at_top[:, i]
             bound = [one for one, size in zip(self.critical, self.resonant[i]) if np.isinf(size)]
             if bound or not np.isfinite(tops[i]):
                 place, order = (bound[0].speed, f"{bound[0].order:g}") if bound else (places[i], "–")
@@ -413,7 +412,7 @@ class _RunUp:
 
     def _plot(self, title: str, quantity: str, unit: str, curves: Sequence[Curve], **more) -> Plot:
         axes: dict[str, Any] = {"across_unit": "rev/min", "variable": "speed", "quantity": quantity}
-        return Plot(title, "" if unit == "1" else unit, self.speeds / RPM, tuple(curves), **axes, **more)
+        return Plot(title, unit, self.speeds / RPM, tuple(curves), **axes, **more)
 
     def _by_order(self, output: int) -> Iterator[Plot]:
         """The amplitude of each order over the speed, the largest first, and the RMS value of all."""

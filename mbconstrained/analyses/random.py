@@ -65,11 +65,10 @@ class Random(Analysis):
         excitation = [_Input(name, one, known[name].unit) for name, one in zip(response.inputs, response.spectra.spectra)]
         own = _Outputs(response, list(map(shown.of, response.units, response.outputs)), excitation, shown.of)
         damping = system.damping_notices(any(entry.of != "force" for entry in settings.input)) if system is not None else ()
-        inputs = zip(response.inputs, response.spectra.spectra)
         return cls.of(
             scene,
             facts=(
-                *(("input", f"{name}: {spectrum.of}, {spectrum.name}") for name, spectrum in inputs),
+                *(("input", f"{one.name}: {one.spectrum.of}, {one.described(shown.of(one.unit)[0])}") for one in excitation),
                 ("error estimate", f"{response.error_estimate.max(initial=0.0):.2g} of each variance"),
             ),
             tables=(own.table(settings.duration),),
@@ -112,8 +111,7 @@ def random_arguments(scene: Scene, table: RandomTable | None) -> tuple[tuple, di
     if len(excitation) < len(table.input):
         raise InputError("two [[random.input]] have the same name in on; add their spectra")
     delays = {entry.on: entry.delay for entry in table.input} if any(entry.delay for entry in table.input) else None
-    prescribed = {coordinate for motion in scene.table.motion for coordinate, _ in motion.rows.values()}
-    free = [name for name in equations.system.names if name not in prescribed]
+    free = [name for name in equations.system.names if name not in scene.table.prescribed.values()]
     outputs = table.outputs
     if outputs is None and table.quantity in RATES:
         outputs = [*free, *(name for name in equations.system.quantities if name not in free)]
@@ -144,6 +142,11 @@ class _Input:
         """Unit in SI."""
         order = KINDS[self.spectrum.of]
         return force_unit(self.place_unit) if order is None else rate_unit(self.place_unit, order)
+
+    def described(self, shown: str) -> str:
+        """Text on the spectrum; without the size in SI of the unit in which it was given, where that is the one shown."""
+        text, _, conversion = self.spectrum.name.partition(", 1 ")
+        return text if conversion.startswith(f"{density_unit(shown)} = ") else self.spectrum.name
 
     def density(self, unit: str, f: np.ndarray) -> np.ndarray | None:
         """Density in a unit, of a motion that of a higher derivative; None in others, NaN where it is zero."""

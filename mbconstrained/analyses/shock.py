@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar, cast
+from typing import TYPE_CHECKING, Any, ClassVar, cast
 
 import numpy as np
 
@@ -29,6 +29,7 @@ from .base import Analysis, Answer
 if TYPE_CHECKING:
     from ..mechanics.constraints import ConstraintRow
     from ..mechanics.motion import Motion
+    from ..scene.build.data_files import Record
     from ..scene.run.scene import Scene
 
 #: Natural frequencies reach from these parts of the inverse duration of the shock to these of the inverse time between its knots.
@@ -60,17 +61,16 @@ class Shock(Analysis):
     def solve(cls, scene: Scene, settings: ShockTable | None) -> Answer:
         """The answer of a scene with mass, damping and stiffness."""
         table, system = settings or ShockTable(), scene.equations.system
-        motions = prescribed_rows(scene)
+        motions = scene.table.prescribed
         with at(scene.file_name, "shock.of"):
             excitation = excitation_of(scene, table.of, motions)
         with at(scene.file_name, "shock"):
             if system is None or system.is_sparse:
-                lacking = (
-                    "belong to models with mass, damping and stiffness"
-                    if system is None
-                    else "are not available for sparse matrices"
+                sparse, general = (
+                    "are not available for sparse matrices; give arrays",
+                    "belong to models with mass, damping and stiffness",
                 )
-                raise InputError(f"peaks {lacking}{'' if system is None else '; give arrays'}")
+                raise InputError(f"peaks {general if system is None else sparse}")
             motion, end = cast("Motion", scene.equations.solve()), table.end or scene.table.time.end
             every = tuple(one for one in (motion.peaks(end, of) for of in QUANTITIES) if one.names)
             further = [name for name in system.quantities if name not in system.elements]  # whose forces have peaks anyway
@@ -81,10 +81,10 @@ class Shock(Analysis):
         if part is None and motions:
             own = (no_spectrum(scene, "shock response spectrum", motions),)
         notices = distinct(scene.notices, scene.equations.form_notices, motion.notices, own)
-        facts = (("peaks", f"from 0 to {end:g} s, none missed, limits from the left included"),)
-        own_units = scene.equations.coordinates.shown
-        answer = _answer(scene.name, scene.title, scene.table.source, part, every, notices, facts, own_units)
-        return replace(answer, heading=scene.heading, plots=lambda: _plots_with_answer(scene, part))
+        fields = _fields(part, every, scene.equations.coordinates.shown)
+        fields["facts"] += (("peaks", f"from 0 to {end:g} s, none missed, limits from the left included"),)
+        fields["plots"] = lambda: _plots_with_answer(scene, part)
+        return cls.of(scene, heading=scene.heading, notices=notices, **fields)
 
     @classmethod
     def of_record(cls, path: Path, table: ShockTable, **reading) -> Answer:
@@ -93,14 +93,18 @@ class Shock(Analysis):
         units = OutputUnits((record.unit_in_file,) if record.unit_in_file else ())
         with at(path.name, "shock"):
             part = _Spectrum(table, units, record.name or path.stem, "m", record.signal)
-            notices = distinct(record.notices, part.spectrum.notices)
-        if not record.unit:
-            text = f"{path.name}: the unit of the values is not known; m/s² is taken: give unit"
-            notices = (*notices, Notice(NoticeKind.OMITTED, text))
-        return _answer(path.stem, path.name, "Shock response spectrum", part, (), notices, (), units)
+            notices = (*distinct(record.notices, part.spectrum.notices), *unknown_unit(path, record))
+        return cls.of_file(path, "Shock response spectrum", notices=notices, **_fields(part, (), units))
 
 
-def _answer(name, title, source, part: _Spectrum | None, every: tuple[Peaks, ...], notices, facts, units: OutputUnits) -> Answer:
+def unknown_unit(path: Path, record: Record) -> tuple[Notice, ...]:
+    """A notice on a record without a unit."""
+    text = f"{path.name}: the unit of the values is not known; m/s² is taken: give unit"
+    return () if record.unit else (Notice(NoticeKind.OMITTED, text),)
+
+
+def _fields(part: _Spectrum | None, every: tuple[Peaks, ...], units: OutputUnits) -> dict[str, Any]:
+    """The fields of an answer with a spectrum and peaks."""
     rows = [row for peaks in every for row in peaks.rows()]
     shown = [units.of(row["unit"], row["of"]) for row in rows]
     columns: dict[str, dict] = {} if part is None else {"": part.columns()}
@@ -116,19 +120,14 @@ def _answer(name, title, source, part: _Spectrum | None, every: tuple[Peaks, ...
         own = peaks.extrema
         arrays |= {f"{peaks.quantity}_{key}": getattr(own, key) for key in ("maximum", "maximum_time", "minimum", "minimum_time")}
         arrays[f"{peaks.quantity}_names"] = np.array(peaks.names)
-    return Answer(
-        kind="shock",
-        name=name,
-        title=title,
-        source=source,
-        facts=(*(() if part is None else part.facts()), *facts),
-        tables=(*(() if part is None else (part.table(),)), *(peaks.table(units.of) for peaks in every)),
-        notices=notices,
-        data={"spectrum": None if part is None else part.data(), "peaks": rows},
-        plots=tuple if part is None else part.plots,
-        columns=lambda: columns,
-        arrays=lambda: arrays,
-    )
+    return {
+        "facts": () if part is None else part.facts(),
+        "tables": (*(() if part is None else (part.table(),)), *(peaks.table(units.of) for peaks in every)),
+        "data": {"spectrum": None if part is None else part.data(), "peaks": rows},
+        "plots": tuple if part is None else part.plots,
+        "columns": lambda: columns,
+        "arrays": lambda: arrays,
+    }
 
 
 def _plots_with_answer(scene: Scene, part: _Spectrum | None) -> Iterator[Plot]:
@@ -237,11 +236,6 @@ class _Spectrum:
                 if exponent < 0 and left[1] > up.high and right[1] > up.low:
                     name = ""  # from the upper to the right edge: the rising lines have their names there
                 yield Guide(name, right, left) if is_at_left else Guide(name, left, right)
-
-
-def prescribed_rows(scene: Scene) -> dict[str, str]:
-    """Coordinates by the names of the rows that prescribe them."""
-    return {name: coordinate for motion in scene.table.motion for name, (coordinate, _) in motion.rows.items()}
 
 
 def excitation_of(scene: Scene, of: str | None, motions: Mapping[str, str]) -> tuple[str, str, ImpulsiveSmooth] | None:

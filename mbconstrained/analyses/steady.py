@@ -110,7 +110,7 @@ class _Cycle:
     def _chosen(self) -> list[Output]:
         """The outputs that are named, or all that have the quantity."""
         table, system, names = self.table, self.scene.equations.system, output_names(self.scene.equations)
-        prescribed = {coordinate for motion in self.scene.table.motion for coordinate, _ in motion.rows.values()}
+        prescribed = self.scene.table.prescribed.values()
         if table.quantity in MOTIONS:
             moving = [name for name in system.names if name not in prescribed] or list(system.names)
             default = [*(system.named_directions("outputs") or moving), *(name for name in names.own if name not in moving)]
@@ -227,7 +227,7 @@ class _Cycle:
             curves = tuple(Curve(self.outputs[i].name, factor * self.values[i], i) for i in rows)
             title = f"{quantity} ({text})" if [one for one, _ in kinds].count(quantity) > 1 else quantity
             phases = getattr(self.motion, "phases", ())
-            yield Plot(title, _shown(text), self.times, curves, quantity=quantity, phases=phases)
+            yield Plot(title, text, self.times, curves, quantity=quantity, phases=phases)
         yield from self._spectra()
         yield from list(self._orbits()) or self._phase_planes()
 
@@ -250,11 +250,11 @@ class _Cycle:
             curve = Curve(name, factor * self.values[j], j)
             yield Plot(
                 f"orbit of {name}",
-                _shown(text),
+                text,
                 self.times,
                 (curve,),
                 across=across,
-                across_unit=_shown(text),
+                across_unit=text,
                 quantity=f"{self.outputs[j].quantity} of {self.outputs[j].name}",
                 marks=(Marks("t = 0", np.array([[across.values[0], curve.values[0]]]), ("t = 0",)),),
             )
@@ -272,11 +272,11 @@ class _Cycle:
             along, up = (factor * own[i] for (_, factor), own in zip(shown, both))
             yield Plot(
                 f"phase plane of {name}",
-                _shown(shown[1][0]),
+                shown[1][0],
                 self.times,
                 (Curve(name, up, i),),
                 across=Curve(titles[0], along),
-                across_unit=_shown(shown[0][0]),
+                across_unit=shown[0][0],
                 quantity=titles[1],
             )
 
@@ -287,8 +287,8 @@ class _LinearCycle(_Cycle):
     def __init__(self, scene: Scene, table: SteadyTable):
         super().__init__(scene, table)
         system, force = scene.equations.system, scene.equations.force
-        loads = [*((f"force[{i}]", one) for i, one in enumerate(scene.table.force, 1))]
-        loads += [*((f"motion[{i}]", one) for i, one in enumerate(scene.table.motion, 1))]
+        tables = {"force": scene.table.force, "motion": scene.table.motion}
+        loads = [(f"{key}[{i}]", one) for key, own in tables.items() for i, one in enumerate(own, 1)]
         for place, load in loads:
             if load.kind not in REPEATING:
                 raise InputError(
@@ -419,7 +419,7 @@ class _LinearCycle(_Cycle):
                 marks.append(Marks("", np.array([f[kept], own[kept]]).T, texts, curve=place))
             yield Plot(
                 f"amplitudes ({text})" if len({own for _, own, _ in every}) > 1 else "amplitudes",
-                _shown(text),
+                text,
                 np.arange(float(len(bars))),
                 tuple(curves),
                 across=Curve("frequency", bars),
@@ -441,7 +441,7 @@ class _LinearCycle(_Cycle):
             for i in np.flatnonzero(forces.any(axis=1)):
                 yield f"input: force on {system.names[i]}", force_unit(system.units[system.names[i]]), forces[i]
         order = MOTIONS.get(self.table.quantity)
-        prescribed = {coordinate for motion in self.scene.table.motion for coordinate, _ in motion.rows.values()}
+        prescribed = self.scene.table.prescribed.values()
         for name in (one for one in system.names if one in prescribed and order is not None):
             amplitudes = (1j * rates) ** order * self.steady.displacement_amplitudes[system.names.index(name)]
             yield f"input: {name}", rate_unit(system.units[name], order), amplitudes
@@ -490,7 +490,3 @@ class _SwitchedCycle(_Cycle):
 
     def arrays(self) -> dict[str, np.ndarray]:
         return {**super().arrays(), "multipliers": self.cycle.multipliers}
-
-
-def _shown(unit: str) -> str:
-    return "" if unit == "1" else unit

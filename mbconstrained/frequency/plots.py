@@ -12,6 +12,7 @@ from itertools import pairwise
 import numpy as np
 
 from ..ground.checks import check_known
+from ..ground.tolerances import EPS
 
 KINDS = ("bode", "nyquist", "parts")
 
@@ -42,6 +43,18 @@ class PlotStyle:
     def shown(self, size):
         """Amplitudes as plotted."""
         return 20 * np.log10(size) if self.amplitude == "dB" else size
+
+
+def principal_phase(H: np.ndarray) -> np.ndarray:
+    """The phase in degrees; that of a negative number is -180, as past an undamped resonance."""
+    angles = np.degrees(np.angle(H))
+    return np.where(angles > 180.0 * (1 - EPS**0.5), angles - 360.0, angles)
+
+
+def continuous_phase(H: np.ndarray, frequencies_hz: np.ndarray, dead_time: float) -> np.ndarray:
+    """The phase in degrees without jumps between lines, from one to the next of which a dead time may turn it by more than half a turn."""
+    turns = 360.0 * dead_time * frequencies_hz
+    return np.unwrap(principal_phase(H * np.exp(1j * np.radians(turns))), period=360.0) - turns
 
 
 def draw(response, kind: str, figure=None, style: PlotStyle = PlotStyle()):
@@ -110,10 +123,9 @@ def _bode(axes, f, H, quantity, unit, style) -> None:
     drawn(factor * f[there], style.shown(size[there]))
     shown = f"dB re 1 {unit}".rstrip() if style.amplitude == "dB" else unit
     axes[0].set_ylabel(f"{quantity} ({shown})" if shown else quantity)
-    phase, turns = np.angle(H[f > 0]), 2 * np.pi * style.dead_time * f[f > 0]  # a dead time may turn by more than pi between lines
-    if style.unwrapped:
-        phase = np.unwrap(np.angle(H[f > 0] * np.exp(1j * turns))) - turns
-    axes[1].semilogx(factor * f[f > 0], np.degrees(phase))
+    positive, drawn = f[f > 0], H[f > 0]
+    phase = continuous_phase(drawn, positive, style.dead_time) if style.unwrapped else principal_phase(drawn)
+    axes[1].semilogx(factor * positive, phase)
     axes[1].set_ylabel("phase (°)")
     axes[1].set_xlabel(f"frequency ({style.axis})")
     for each in axes:  # decimal numbers; between the powers of ten only where few of these are in the picture

@@ -70,8 +70,8 @@ class Pictured(Displayed):
     """A public object that a notebook shows with its plots, which are made by a room above this one."""
 
     def _repr_html_(self) -> str:
-        notebook = import_module(f"{__package__.partition('.')[0]}.analyses.notebook")
-        return super()._repr_html_() + notebook.pictures(self)
+        shown = import_module(f"{__package__.partition('.')[0]}.analyses.python_models")
+        return super()._repr_html_() + shown.pictures(self)
 
 
 class Presented(Displayed):

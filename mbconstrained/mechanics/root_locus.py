@@ -73,8 +73,7 @@ def root_locus(system: EquationsOfMotion, parameter: str | Parameter, values) ->
     slope = parameter.matrices(system.size)
     base = np.array([system.stiffness, system.damping, system.mass]) - parameter.value * slope
     V = _basis(system, parameter)
-    family = MatrixFamily.linear(*(np.array([V.T @ matrix @ V for matrix in matrices]) for matrices in (base, slope)))
-    return locus_of(parameter.name, parameter.unit, values, family)
+    return locus_of(parameter.name, parameter.unit, values, MatrixFamily.linear(V.T @ base @ V, V.T @ slope @ V))
 
 
 def root_locus_of(
@@ -90,11 +89,11 @@ def root_locus_of(
         system = build(p)
         if not np.array_equal(system.constraint_matrix, first.constraint_matrix):
             raise InputError(f"{name}: constraint rows change with it; a root locus needs constant rows")
-        return np.array([V.T @ matrix @ V for matrix in (system.stiffness, system.damping, system.mass)])
+        return V.T @ np.array([system.stiffness, system.damping, system.mass]) @ V
 
     @cache
     def derivative(p: float) -> np.ndarray:
-        return np.array([V.T @ matrix @ V for matrix in slope(p).matrices(first.size)])
+        return V.T @ slope(p).matrices(first.size) @ V
 
     linear = _linear(at, float(values[0]), float(values[-1]))
     return locus_of(name, unit, values, linear or MatrixFamily(at, derivative, np.ones((V.shape[1],) * 2, dtype=bool)))

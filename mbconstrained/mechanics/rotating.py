@@ -108,7 +108,7 @@ def rotor_family(system: EquationsOfMotion, within: float | None = None) -> tupl
         raise InputError("nothing is free to vibrate: constraint rows and prescribed motions give every coordinate")
 
     def reduced(matrices: np.ndarray) -> np.ndarray:
-        return np.array([V.T @ matrix @ V for matrix in matrices])
+        return V.T @ matrices @ V
 
     if within is not None or not system.speed_tables:
         at = within or 0.0

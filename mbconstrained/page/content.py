@@ -365,7 +365,7 @@ class Plot:
     """Curves over time or another variable, or in a phase plane."""
 
     title: str  # heading, such as "displacement"
-    unit: str  # unit of the curves, such as "m"; an empty string for a pure number
+    unit: str  # unit of the curves, such as "m"; an empty string or "1" for a pure number
     times: np.ndarray  # shape (T,), ascending, in s; of a plot over another variable its values
     curves: tuple[Curve, ...]  # their values have the shape of the times
     across: Curve | None = None  # of a phase plane, a curve along the horizontal axis, whose name is its title; None for the time
@@ -389,6 +389,8 @@ class Plot:
     phases: tuple[tuple[float, str], ...] = ()
 
     def __post_init__(self):
+        for axis in ("unit", "across_unit"):
+            object.__setattr__(self, axis, "" if getattr(self, axis) == "1" else getattr(self, axis))
         times = ascending_times(self.times, f'plot "{self.title[:60]}", {"times" if self.variable == "time" else self.variable}')
         object.__setattr__(self, "times", times)
         object.__setattr__(self, "curves", tuple(self._checked(curve, i) for i, curve in enumerate(self.curves)))

@@ -17,7 +17,7 @@ from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from itertools import product
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 
@@ -117,27 +117,10 @@ def vector_of(matrix: np.ndarray) -> np.ndarray:
 
 
 Shape = Literal["box", "sphere", "disc", "gear", "ring", "mark", "rail", "ground", "base", "solids"]
-LinkKind = Literal[
-    "spring",
-    "damper",
-    "strut",
-    "rod",
-    "bushing",
-    "loop",
-    "torsion spring",
-    "torsion damper",
-    "belt",
-    "stop",
-    "slot",
-    "cable",
-    "friction",
-    "pad",
-    "latch",
-    "play",
-    "clutch",
-    "brake",
-    "shaft",
-]
+SwitchingKind = Literal["stop", "slot", "cable", "friction", "pad", "latch", "play", "clutch", "brake"]
+SteadyKind = Literal["spring", "damper", "strut", "rod", "bushing", "loop", "torsion spring", "torsion damper", "belt", "shaft"]
+LinkKind = Literal[SteadyKind, SwitchingKind]
+SWITCHING: tuple[str, ...] = get_args(SwitchingKind)
 Vector = tuple[float, float, float]
 
 _USUAL_SIZE = {
@@ -326,11 +309,7 @@ class SliderPosing:
 
 @dataclass(frozen=True)
 class Drawing:
-    """Bodies and links, and the magnification of their motion.
-
-    Raises:
-        InputError: two bodies of one name.
-    """
+    """Bodies and links, and the magnification of their motion."""
 
     bodies: tuple[DrawnBody, ...]
     links: tuple[DrawnLink, ...] = ()

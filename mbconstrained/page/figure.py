@@ -14,7 +14,7 @@ import numpy as np
 from ..ground.errors import InputError
 from .animation import Arrow, BodyPoses, DrawnEvent, ForceArrows, KeyFrames, Overlay, body_poses, packed, track
 from .content import raised
-from .drawing import Drawing, DrawnBody, DrawnLink, Path, SliderPosing, Solid, Vector, matrix_of, quaternions_of, rotated
+from .drawing import SWITCHING, Drawing, DrawnBody, DrawnLink, Path, SliderPosing, Solid, Vector, matrix_of, quaternions_of, rotated
 
 #: Length of the longest arrow, in drawing units; a mass is 0.8 wide.
 LONGEST = 1.5
@@ -137,9 +137,6 @@ _COLORS = {
     "collision": "#cc79a7",
 }
 
-#: Kinds of links with several states.
-SWITCHING = ("stop", "slot", "cable", "friction", "pad", "latch", "play", "clutch", "brake")
-
 _UPWARDS = np.array([0.0, 0.0, 1.0])  # the direction in which a rope leaves what hangs on it
 
 
@@ -253,14 +250,8 @@ def _body_data(
 ) -> dict:
     color = body.color or _COLORS.get(body.shape) or _usual_color(body, number, names)
     return {
-        "name": body.name,
-        "label": body.label,
-        "shape": body.shape,
-        "rest": list(body.rest),
-        "rest_turn": list(body.rest_turn),
-        "size": list(body.size),
+        **{field: getattr(body, field) for field in ("name", "label", "shape", "rest", "rest_turn", "size", "teeth")},
         "color": color,
-        "teeth": body.teeth,
         "moves": [[names.index(name), *np.multiply(drawing.scale, move).tolist()] for name, move in body.moves.items()],
         "turns": [[names.index(name), *np.multiply(drawing.turn_scale, turn).tolist()] for name, turn in body.turns.items()],
         "posts": posts[body.name],
@@ -375,12 +366,7 @@ def _link_data(link: DrawnLink, drawing: Drawing, index: dict[str, int], poses: 
 def _limits(
     drawing: Drawing, start: DrawnBody, end: DrawnBody, at_zero: np.ndarray, direction: np.ndarray, limits, unit: float
 ) -> list[float | None]:
-    """The lengths of a link at which it closes when it becomes shorter and longer.
-
-    Args:
-        at_zero: from its start to its end where all coordinates are zero.
-        direction: the same in the mean of the motion.
-    """
+    """The lengths of a link at which it closes when it becomes shorter and longer, from its vector at zero and its mean direction."""
     moves, along = (*end.moves.values(), *start.moves.values()), direction / (np.linalg.norm(direction) or 1.0)
     away = float(np.dot(moves[0], along)) if moves else 1.0
     lengths = [None if one is None else max(float(at_zero @ along) + drawing.scale * one * away, 0.0) / unit for one in limits]

@@ -429,22 +429,8 @@ Delivery = Literal["inside", "separate", "compressed"]
 VIEWER_FILE = "mbconstrained-viewer.js"
 
 _ASSETS = Path(__file__).with_name("assets")
-_ANIMATION = (
-    "motion.js",
-    "shapes.js",
-    "solids.js",
-    "links.js",
-    "names.js",
-    "marks.js",
-    "stage.js",
-    "record.js",
-    "frames.js",
-    "gif.js",
-    "player.js",
-    "keys.js",
-    "print.js",
-)
-_PLOTS = ("readings.js", "axes.js", "plots.js")
+_ANIMATION = "motion shapes solids links names marks stage record frames gif player keys print".split()
+_PLOTS = "readings axes plots".split()
 
 
 def write_page(path, content: PageContent, viewer: Delivery = "inside", files: Replacements | None = None) -> Path:
@@ -522,23 +508,17 @@ def _parts(content: PageContent) -> tuple[list[str], dict, list[str], dict[str, 
     blocks: dict[str, list | dict] = {}
     functions, shown = PlotFunctions(content.plots), content.animation
     if isinstance(shown, Shapes):
-        script, (sections, data) = "modes.js", mode_sections(content, shown, functions)
+        script, (sections, data) = "modes", mode_sections(content, shown, functions)
     elif isinstance(shown, Deflections):
-        script, (sections, data) = "frequency.js", deflection_sections(content, shown, functions)
+        script, (sections, data) = "frequency", deflection_sections(content, shown, functions)
     else:
-        script, (sections, data) = "run.js", _run_sections(content, shown, functions)
+        script, (sections, data) = "run", _run_sections(content, shown, functions)
     if functions.needed:
         blocks["plot-data"], names = functions.as_data(), list(_PLOTS)
     if data:
-        names += [
-            *_ANIMATION,
-            *[f"{name}.js" for name in ("overlay", "posing", "switching", "rotors") if name in data["figure"]],
-            script,
-        ]
         blocks["motion-data"] = data
-    if names:
-        names = ["theme.js", "numbers.js", *names]
-    return sections, data, names, blocks
+        names += [*_ANIMATION, *(name for name in ("overlay", "posing", "switching", "rotors") if name in data["figure"]), script]
+    return sections, data, ["theme", "numbers", *names] if names else [], blocks
 
 
 def _run_sections(content: PageContent, animation: Animation | None, functions: PlotFunctions) -> tuple[list[str], dict]:
@@ -608,7 +588,7 @@ def _scripts(names: list[str], blocks: dict[str, list | dict], delivery: Deliver
         return [*data, f"<script>{own}</script>"], _hashes(own)
     viewer = viewer_script()
     if delivery == "compressed":
-        unpack = _script("unpack.js")
+        unpack = _script("unpack")
         packed = [
             f'<script type="application/gzip" data-content="{name}">{_base64(gzip.compress(part.encode(), 9, mtime=0))}</script>'
             for name, part in (("viewer", viewer), *texts.items(), ("own", own))
@@ -644,7 +624,7 @@ def _asset(name: str) -> str:
 
 def _script(name: str) -> str:
     """A script without indentation and the lines of its comments, which are a sixth of it; no text of a script is longer than a line."""
-    return re.sub(r"^ *(//.*\n)?", "", _asset(name), flags=re.MULTILINE)
+    return re.sub(r"^ *(//.*\n)?", "", _asset(f"{name}.js"), flags=re.MULTILINE)
 
 
 def viewer_script() -> str:

@@ -205,11 +205,8 @@ def plot_figures(plots: tuple[Plot, ...], functions: PlotFunctions | None = None
 
 
 def _figure(plot: Plot, functions: PlotFunctions, wide: str) -> str:
-    count, note, body = (
-        len(plot.curves),
-        f'\n<p class="note">{typeset(plot.note)}</p>' if plot.note else "",
-        '<p class="note">no curves</p>',
-    )
+    count, body = len(plot.curves), '<p class="note">no curves</p>'
+    note = f'\n<p class="note">{typeset(plot.note)}</p>' if plot.note else ""
     if count or plot.cells:
         above, below = (
             f'<p class="axis-name">{arrow} {html.escape(name)}</p>\n' if name else ""
@@ -239,10 +236,8 @@ def _svg(plot: Plot) -> str:
     times, phase = plot.times, plot.across is not None
     across, up = plot.axes
     shown, height = plot.curves[: plot.shown], _height(plot)
-    x, y = (
-        np.array([_cells(across, plot.along(curve)) for curve in shown]).reshape(len(shown), len(times)),
-        CELLS - np.array([_cells(up, curve.values) for curve in shown]).reshape(len(shown), len(times)),
-    )
+    x = np.array([_cells(across, plot.along(curve)) for curve in shown]).reshape(len(shown), len(times))
+    y = CELLS - np.array([_cells(up, curve.values) for curve in shown]).reshape(len(shown), len(times))
     names = zip(axis_titles(plot, across.exponent, up.exponent), reversed(_long_names(plot)))
     right, upwards = (html.escape("" if long else name) for name, long in names)
     letters = max(map(len, up.labels), default=0)

@@ -23,7 +23,7 @@ from ..ground.errors import InputError
 from ..linalg.arrays import block_diag
 from .description.urdf import HIDDEN
 from .kinematics import Anchor, Kinematics, RelativePose, turned_product
-from .tangent import Tangent, joint_displacement
+from .tangent import Tangent, joint_displacements
 
 LoopKind = Literal["point", "rigid", "hinge", "prismatic", "cylindrical", "universal", "rod"]
 Vector = Sequence[float]
@@ -634,13 +634,9 @@ class StretchedTendon:
     @cached_property
     def length(self) -> float:
         """L (m, rad)."""
-        model, q = self._kinematics.tree.model, self._kinematics.configuration
-        turned = (
-            self.attached.row[joint.idx_v] * joint_displacement(joint, q, 0.0)
-            for joint in list(model.joints)[1:]
-            if joint.nv == 1 and self.attached.row[joint.idx_v]
-        )
-        return self.attached.offset + sum(turned) + sum(factor * np.linalg.norm(pose.value[:3]) for pose, factor in self._poses)
+        row, kinematics = self.attached.row, self._kinematics
+        turned = row @ joint_displacements(kinematics.tree.model, kinematics.configuration, np.zeros(len(row)))
+        return float(self.attached.offset + turned + sum(factor * np.linalg.norm(pose.value[:3]) for pose, factor in self._poses))
 
     @cached_property
     def _directions(self) -> list[np.ndarray]:

@@ -126,6 +126,7 @@ class WithoutMotors:
     def __init__(self, system: EquationsOfMotion, flexible_joints: tuple[tuple[int, FlexibleJoint], ...]):
         self.system, self.flexible_joints = system, flexible_joints
         self._links = system.size - len(flexible_joints)
+        self._motors = {link: (self._links + motor, joint) for motor, (link, joint) in enumerate(flexible_joints)}
         self.names = (*system.names[: self._links], *(row.name for row in system.rows))
 
     @cached_property
@@ -170,26 +171,24 @@ class WithoutMotors:
 
     def _gear(self, link: int) -> tuple[np.ndarray, np.ndarray]:
         """Coefficients of Z and S in ascending powers; 1 and 0 for a joint without a motor."""
-        for motor, (place, joint) in enumerate(self.flexible_joints):
-            if place == link:
-                at = self._links + motor
-                Z = [matrix[at, at] for matrix in (self.system.stiffness, self.system.damping, self.system.mass)]
-                return np.array(Z), np.array([joint.stiffness, joint.damping])
-        return np.ones(1), np.zeros(1)
+        if link not in self._motors:
+            return np.ones(1), np.zeros(1)
+        at, joint = self._motors[link]
+        Z = [matrix[at, at] for matrix in (self.system.stiffness, self.system.damping, self.system.mass)]
+        return np.array(Z), np.array([joint.stiffness, joint.damping])
 
     def _force(self, force) -> ImpulsiveSmooth:
         """Z f + S tau, for derivatives in the sense of distributions."""
-        system, n = self.system, self._links
+        system = self.system
         total = system.force
         if force is not None:
             total = total + (force if isinstance(force, ImpulsiveSmooth) else step(system._vector(force, "force")))
         maps = np.zeros((3, len(self.names), system.size))
-        for link in range(n):
+        for link in range(self._links):
             Z, S = self._gear(link)
             maps[: len(Z), link, link] = Z
-            for motor, (place, _) in enumerate(self.flexible_joints):
-                if place == link:
-                    maps[: len(S), link, n + motor] = S
+            if link in self._motors:
+                maps[: len(S), link, self._motors[link][0]] = S
         first = total.distribution_derivative()
         return total.mapped(maps[0]) + first.mapped(maps[1]) + first.distribution_derivative().mapped(maps[2])
 

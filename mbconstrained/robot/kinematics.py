@@ -239,14 +239,10 @@ class RelativePose:
         """Derivative of the wrench of constant factors by the coordinates, shape (6, nv): the force turns with body 1."""
         force, torque = np.split(self.directions @ factors, 2)
         turning1, turning2 = (self._kinematics.velocity(anchor.joint)[3:] for anchor in (self._first, self._second))
-        d_torque = cross_columns(turning2, torque) + self._R2 @ self._turn_change(factors[3:])
+        d_torque = cross_columns(turning2, torque)
+        if factors[3:].any():
+            d_torque += self._R2 @ (_inverse_right_jacobian_change(self.turn, factors[3:]) @ self.jacobian[3:])
         return np.vstack([cross_columns(turning1, force), d_torque])
-
-    def _turn_change(self, factors: np.ndarray) -> np.ndarray:
-        """d(Jlog(turn)^T f) / dq at constant f, shape (3, nv)."""
-        if not factors.any():
-            return np.zeros((3, self.jacobian.shape[1]))
-        return _inverse_right_jacobian_change(self.turn, factors) @ self.jacobian[3:]
 
     @cached_property
     def _relative(self) -> np.ndarray:

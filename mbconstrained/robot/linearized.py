@@ -36,7 +36,6 @@ from ..signals.impulsive import ImpulsiveSmooth
 from ..signals.inputs import zero
 from .connections import AXES, BodySpring, PointMotion
 from .description.urdf import link_masses, replace_masses
-from .flexible_joint import FlexibleJoint
 from .kinematics import Tree
 from .posture_search import limit_values, moving_contact_notices
 from .robot_model import RobotModel
@@ -221,15 +220,21 @@ def _joints(posture: Posture, linearize: Linearize) -> Iterator[Parameter]:
 
 def _flexible_joints(robot: RobotModel) -> Iterator[Parameter]:
     """Stiffness and damping of gears: [1, -1; -1, 1] between link and motor, without effect on the statics of the links."""
-    count = len(robot.coordinates)
-    for number, (name, joint) in enumerate(robot.flexible_joints.items()):
-        stretch = np.zeros(count + len(robot.flexible_joints))
-        stretch[[robot.coordinates.index(name), count + number]] = -1.0, 1.0
+    for (name, joint), stretch in zip(robot.flexible_joints.items(), gear_stretches(robot)):
         unit = robot.units[robot.coordinates.index(name)]
         for key, over in (("stiffness", "/"), ("damping", " s/")):
             if value := getattr(joint, key):
                 slopes: dict[str, Any] = {key: np.outer(stretch, stretch)}
                 yield Parameter(f"{name}.{key}", value, **slopes, unit=f"{force_unit(unit)}{over}{unit}")
+
+
+def gear_stretches(robot: RobotModel) -> np.ndarray:
+    """The angle of each motor less that of its link, by the coordinates of both, shape (f, n)."""
+    links = [robot.coordinates.index(name) for name in robot.flexible_joints]
+    stretches = np.zeros((len(links), len(robot.coordinates) + len(links)))
+    for motor, link in enumerate(links):
+        stretches[motor, [link, len(robot.coordinates) + motor]] = -1.0, 1.0
+    return stretches
 
 
 def _connections(posture: Posture, linearize: Linearize) -> Iterator[Parameter]:
@@ -324,6 +329,7 @@ class LinearizedRobot(MechanicalSystem):
             motor's), or a force or torque on a body.
         outputs: by name a row of C in y = C d, shape (n,): a joint's angle, or the motion of a point.
         input_units, output_units: "m" or "rad" for each, along which a force in N or a torque in N m works.
+        flexible_joints: the flexible joints with the places of their links' coordinates; their motors follow after all links.
         switched_loops: names of loops of the posture that are closed in some phases of a switched robot only.
         grips: contacts of a switched robot that do not slide.
     """
@@ -336,15 +342,15 @@ class LinearizedRobot(MechanicalSystem):
         self.posture = posture
         checked_level(level, "level")
         self._stiffness_parts = stiffness_parts(posture)
-        self._flexible = [(robot.coordinates.index(name), joint) for name, joint in robot.flexible_joints.items()]
+        self.flexible_joints = tuple((robot.coordinates.index(name), joint) for name, joint in robot.flexible_joints.items())
         K, rounding = sum(part for _, part in self._stiffness_parts), stiffness_rounding(posture)
         noise = NOISE_SAFETY * rounding
         link_stiffness, notices = symmetric_stiffness(posture, np.where(np.abs(K) > noise, K, 0.0))
         self._notices = (*notices, *lost_springs(self._stiffness_parts[:-1], noise))
         sizes = balance.entry_sizes
         damping = np.diag(robot.joint_damping) + sum(cleaned(part, sizes) for part in balance.dampings)
-        motors = [joint for _, joint in self._flexible]
-        names = (*robot.coordinates, *(f"{robot.coordinates[i]} motor" for i, _ in self._flexible))
+        motors = [joint for _, joint in self.flexible_joints]
+        names = (*robot.coordinates, *(f"{robot.coordinates[i]} motor" for i, _ in self.flexible_joints))
         super().__init__(
             mass=self._with_motors(cleaned(balance.mass, sizes)) + self._at_motors([motor.reflected_inertia for motor in motors]),
             damping=self._with_motors(damping)
@@ -355,7 +361,7 @@ class LinearizedRobot(MechanicalSystem):
             + self._at_motors([motor.proportional_gain for motor in motors]),
             constraints=self._rows(level),
             names=names,
-            units=(*robot.units, *(robot.units[i] for i, _ in self._flexible)),
+            units=(*robot.units, *(robot.units[i] for i, _ in self.flexible_joints)),
             energy_parts=self._energy_parts(),
             uncertainty={
                 "mass": self._with_motors(rounding_errors(balance.mass, sizes)),
@@ -392,11 +398,6 @@ class LinearizedRobot(MechanicalSystem):
     def connection_forces(self) -> ConnectionForces:
         """Forces of loops, springs and bushings as combinations of motion and multipliers, in the directions of the ground."""
         return connection_forces(self.posture, self.size, [row.name for row in self.rows])
-
-    @property
-    def flexible_joints(self) -> tuple[tuple[int, FlexibleJoint], ...]:
-        """The flexible joints with the places of their links' coordinates; their motors follow after all links."""
-        return tuple(self._flexible)
 
     @property
     def notices(self) -> tuple[Notice, ...]:
@@ -663,7 +664,7 @@ class LinearizedRobot(MechanicalSystem):
                 raise InputError(f"base: found {name!r}{nearest(str(name), AXES)}; expected {', '.join(AXES)}")
         links = momentum(self.posture)[[AXES.index(name) for name in names]]
         units = ["kg m^2" if name.startswith("r") else "kg" for name in names]
-        return effective_masses(self, names, units, np.pad(links, ((0, 0), (0, len(self._flexible)))).T)
+        return effective_masses(self, names, units, np.pad(links, ((0, 0), (0, len(self.flexible_joints)))).T)
 
     def with_points(self, inputs=None, outputs=None) -> LinearizedRobot:
         """Return the robot with other inputs and outputs.
@@ -691,23 +692,20 @@ class LinearizedRobot(MechanicalSystem):
 
     def _with_motors(self, links: np.ndarray) -> np.ndarray:
         """A matrix of the links, with zeros for the motors."""
-        return np.pad(links, (0, len(self._flexible)))
+        return np.pad(links, (0, len(self.flexible_joints)))
 
     def _at_motors(self, values: Sequence[float]) -> np.ndarray:
         return np.diag([*np.zeros(len(self.posture.robot.coordinates)), *values])
 
     def _gears(self, values: Sequence[float]) -> np.ndarray:
         """Each value as a matrix between a motor and its link: [v, -v; -v, v]."""
-        count = len(self.posture.robot.coordinates)
-        stretch = np.zeros((len(self._flexible), count + len(self._flexible)))
-        for motor, (link, _) in enumerate(self._flexible):
-            stretch[motor, [link, count + motor]] = -1.0, 1.0
-        return stretch.T @ np.diag(np.array(values, dtype=float)) @ stretch
+        stretches = gear_stretches(self.posture.robot)
+        return stretches.T @ np.diag(np.array(values, dtype=float)) @ stretches
 
     def _rows(self, level: Level) -> list[Constraint]:
         balance = self.posture.balance
         names, units = balance.load.row_names, balance.load.row_units
-        motors = ((0, 0), (0, len(self._flexible)))
+        motors = ((0, 0), (0, len(self.flexible_joints)))
         J, doubt = (np.pad(part, motors) for part in cleaned_rows(balance.jacobian, balance.sizes, units))
         return [
             Constraint(J[i], level=level, names=names[i], unit=units[i], uncertainty=doubt[i])
@@ -742,7 +740,7 @@ class LinearizedRobot(MechanicalSystem):
         return directions, units
 
     def _energy_parts(self) -> EnergyParts:
-        robot, count = self.posture.robot, len(self._flexible)
+        robot, count = self.posture.robot, len(self.flexible_joints)
         kinetic = [(name, self._with_motors(part)) for name, part in body_masses(self.posture)]
         armature = np.array(robot.model.armature)
         rotors = [
@@ -753,7 +751,7 @@ class LinearizedRobot(MechanicalSystem):
         ]
         kinetic += [(name, self._with_motors(part)) for name, part in rotors]
         strain = [(name, self._with_motors(part)) for name, part in self._stiffness_parts]
-        for place, (link, joint) in enumerate(self._flexible):
+        for place, (link, joint) in enumerate(self.flexible_joints):
             only, name = np.eye(count)[place], robot.coordinates[link]
             kinetic.append((f"{name} motor", self._at_motors(only * joint.reflected_inertia)))
             strain.append((f"gear of {name}", self._gears(only * joint.stiffness)))

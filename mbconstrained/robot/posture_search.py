@@ -18,7 +18,6 @@ import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from copy import copy, deepcopy
 from dataclasses import dataclass, replace
-from xml.etree import ElementTree
 
 import numpy as np
 import scipy.linalg
@@ -427,7 +426,14 @@ def rounded_advice(robot: RobotModel) -> str:
 
     The search covers the places of joints in the URDF and the directions of the frames of loops.
     """
-    angles = [*_of_joints(robot.description), *_of_loops(robot)]
+    origins = ((joint, joint.find("origin")) for joint in robot.description.findall("joint"))
+    places = [
+        ("rpy", f'joint "{joint.get("name")}"', origin.get("rpy", "").split()) for joint, origin in origins if origin is not None
+    ]
+    for loop in robot.loops:
+        places += [(key, loop.label, [*map(repr, getattr(loop, key))]) for key in ("rotation1", "rotation2")]
+    worst = ((key, of, next(filter(rounded_to, texts), None)) for key, of, texts in places)
+    angles = [f"the {key} {text} of {of}" for key, of, text in worst if text]
     if not angles:
         return ""
     one = len(angles) == 1
@@ -435,39 +441,9 @@ def rounded_advice(robot: RobotModel) -> str:
     return f"{text}, which tilts axes that may be meant to be parallel: write {'it' if one else 'them'} with all digits (pi/2 is {math.pi / 2!r})"
 
 
-def with_all_digits(robot: RobotModel) -> RobotModel:
-    """The robot with the rounded angles of its joints and loops as multiples of pi/4 to all digits; payloads are left out."""
-    twin, description = copy(robot), deepcopy(robot.description)
-    for origin in description.iterfind("joint/origin[@rpy]"):
-        origin.set("rpy", " ".join(repr(_all_digits(text)) for text in origin.get("rpy", "").split()))
-    twin.tree = Tree(robot.model_of(description))
-    twin.link_frames = LinkFrames(twin.model, {})
-
-    def exact(angles: Sequence[float]) -> list[float]:
-        return [_all_digits(repr(angle)) for angle in angles]
-
-    twin.loops = tuple(replace(loop, rotation1=exact(loop.rotation1), rotation2=exact(loop.rotation2)) for loop in robot.loops)
-    return twin
-
-
 def _all_digits(text: str) -> float:
     eighths = rounded_to(text)
     return float(text) if eighths is None else eighths * math.pi / 4
-
-
-def _of_joints(description: ElementTree.Element) -> Iterator[str]:
-    for joint in description.findall("joint"):
-        origin = joint.find("origin")
-        texts = [] if origin is None else origin.get("rpy", "").split()
-        if worst := next(filter(rounded_to, texts), None):
-            yield f'the rpy {worst} of joint "{joint.get("name")}"'
-
-
-def _of_loops(robot: RobotModel) -> Iterator[str]:
-    for loop in robot.loops:
-        for key in ("rotation1", "rotation2"):
-            if worst := next(filter(rounded_to, map(repr, getattr(loop, key))), None):
-                yield f"the {key} {worst} of {loop.label}"
 
 
 #: Number of joints that are named; the others are counted.
@@ -563,8 +539,19 @@ def _size(robot: RobotModel, connections) -> float:
 
 
 def _balance_with_all_digits(robot: RobotModel, q: np.ndarray, guess: np.ndarray) -> Balance:
-    """The balance of a robot with its rounded angles replaced by exact ones, in the configuration with closed loops next to q."""
-    twin = with_all_digits(robot)
+    """The balance in the configuration with closed loops next to q, of the robot with the rounded angles of its joints and loops as
+    multiples of pi/4 to all digits; payloads are left out.
+    """
+    twin, description = copy(robot), deepcopy(robot.description)
+    for origin in description.iterfind("joint/origin[@rpy]"):
+        origin.set("rpy", " ".join(repr(_all_digits(text)) for text in origin.get("rpy", "").split()))
+    twin.tree = Tree(robot.model_of(description))
+    twin.link_frames = LinkFrames(twin.model, {})
+
+    def exact(angles: Sequence[float]) -> list[float]:
+        return [_all_digits(repr(angle)) for angle in angles]
+
+    twin.loops = tuple(replace(loop, rotation1=exact(loop.rotation1), rotation2=exact(loop.rotation2)) for loop in robot.loops)
     load = _untwisted(attached_load(twin, guess, {}), twin, q)
     return closed(Search(twin.tree, load, np.ones(len(twin.coordinates), bool)), q)
 

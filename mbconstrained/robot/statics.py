@@ -38,7 +38,7 @@ from ..ground.tolerances import (
 from .connections import AXES, Attached, AttachedTendon, BodySpring, Bushing, PointMotion, StretchedTendon
 from .kinematics import Anchor, Kinematics, RelativePose, Tree, cross_matrix
 from .robot_model import RobotModel
-from .tangent import MimicRow, joint_displacement
+from .tangent import MimicRow, joint_displacements
 
 
 @dataclass(frozen=True, eq=False)
@@ -228,11 +228,7 @@ class Balance:
     @cached_property
     def joint_stretch(self) -> np.ndarray:
         """The displacement of each joint from its rest, for a continuous one modulo a full turn, shape (nv,)."""
-        stretch = np.zeros(self.tree.model.nv)
-        for joint in list(self.tree.model.joints)[1:]:
-            if joint.nv == 1:
-                stretch[joint.idx_v] = joint_displacement(joint, self.configuration, self.load.joint_rest[joint.idx_v])
-        return stretch
+        return joint_displacements(self.tree.model, self.configuration, self.load.joint_rest)
 
 
 @dataclass(frozen=True, eq=False)

@@ -212,7 +212,9 @@ class PointContact(RobotSwitch):
         if self.sticks and (self.stiffness is not None or self.restitution):
             other = "restitution" if self.stiffness is None else "stiffness"
             raise InputError(f"{label}: found {other} and sticks; a contact that sticks is rigid and comes to rest without rebound")
-        friction = _checked_friction(self.friction, self.sticks, label)
+        friction = None if self.friction is None else real_number(self.friction, f"{label}: friction", minimum=0.0)
+        if friction is not None and not self.sticks:
+            raise InputError(f"{label}: friction is checked of a contact that sticks; add sticks=True, or leave friction out")
         normal = _direction(self.normal, f"{label}: normal")
         kinematics = posture.balance.kinematics
         anchor, plane = frames.point(PointMotion(self.body, self.point), label), frames.link(GROUND)
@@ -382,14 +384,6 @@ def robot_switches(posture: Posture, size: int, parts: Sequence[RobotSwitch]) ->
 def _contact(name, row, gap, restitution, stiffness, damping, unit: str) -> tuple[Switch, ...]:
     """The switch of a rigid or elastic contact."""
     return Contact("body", "other", gap, restitution, stiffness, damping, name=name).settled({"body": unit}).switches(row, unit)
-
-
-def _checked_friction(value, sticks: bool, label: str) -> float | None:
-    if value is None:
-        return None
-    if not sticks:
-        raise InputError(f"{label}: friction is checked of a contact that sticks; add sticks=True, or leave friction out")
-    return real_number(value, f"{label}: friction", minimum=0.0)
 
 
 def _direction(value, label: str) -> np.ndarray:

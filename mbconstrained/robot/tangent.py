@@ -123,11 +123,7 @@ class Tangent:
 
     def angles(self, q: np.ndarray) -> np.ndarray:
         """Value of the joint of each coordinate (rad, m), 0 for joints with several degrees of freedom, shape (nv,)."""
-        single = [(joint.idx_v, joint_displacement(joint, q, 0.0)) for _, joint in self._each() if joint.nv == 1]
-        angles = np.zeros(self.model.nv)
-        for place, value in single:
-            angles[place] = value
-        return angles
+        return joint_displacements(self.model, q, np.zeros(self.model.nv))
 
     @cached_property
     def limits(self) -> dict[str, tuple[float, float]]:
@@ -320,3 +316,12 @@ def joint_displacement(joint, configuration: np.ndarray, rest: float) -> float:
         return float(value[0] - rest)
     c, s = np.cos(rest), np.sin(rest)
     return float(np.arctan2(c * value[1] - s * value[0], c * value[0] + s * value[1]))
+
+
+def joint_displacements(model, configuration: np.ndarray, rest: np.ndarray) -> np.ndarray:
+    """The displacement of each joint with one degree of freedom from its value in ``rest``, shape (nv,), 0 for others."""
+    displacements = np.zeros(model.nv)
+    for joint in list(model.joints)[1:]:
+        if joint.nv == 1:
+            displacements[joint.idx_v] = joint_displacement(joint, configuration, rest[joint.idx_v])
+    return displacements

@@ -11,7 +11,7 @@ from mbconstrained.analyses.accuracy.methods import ComparedMethod, tolerances
 from mbconstrained.cli import application
 
 SCENE = """
-title = "{title}"
+title = "A cart"
 [model]
 kind = "lumped"
 [[model.mass]]
@@ -22,7 +22,7 @@ name = "spring"
 between = ["ground", "cart"]
 stiffness = 8
 [initial]
-displacement = {{ cart = 1 }}
+displacement = { cart = 1 }
 [time]
 end = 3
 points = 31
@@ -37,7 +37,7 @@ def app():
 @pytest.fixture
 def scene(tmp_path):
     path = tmp_path / "cart.toml"
-    path.write_text(SCENE.format(title="A cart"))
+    path.write_text(SCENE)
     return path
 
 
@@ -65,32 +65,6 @@ def test_accuracy_writes_page_picture_and_data(app, scene, tmp_path, two_methods
     data = json.loads(files[2].read_text())
     assert data["runs"][0]["error"] < 1e-14 and data["runs"][1]["failure"] == "ValueError: refuses singular mass"
     assert "<svg" in files[0].read_text() and files[1].read_bytes()[1:4] == b"PNG"
-
-
-def test_a_hostile_title_is_a_text(app, tmp_path, two_methods):
-    path = tmp_path / "hostile.toml"
-    path.write_text(SCENE.format(title="<script>alert(1)</script> $x_1$ &amp;"))
-    assert run(app, "accuracy", path, "--out", tmp_path).exit_code == 0
-    page = (tmp_path / "hostile.accuracy.html").read_text()
-    assert "<script>alert" not in page and "&lt;script&gt;" in page
-
-
-@pytest.mark.parametrize("command", ["accuracy", "stability"])
-def test_a_scene_that_is_wrong_is_told_and_nothing_is_written(app, command, tmp_path):
-    path = tmp_path / "wrong.toml"
-    path.write_text("title = 3")
-    done = run(app, command, path, "--out", tmp_path / "out")
-    assert done.exit_code == 1 and "wrong.toml" in done.stderr and not (tmp_path / "out").exists()
-    assert run(app, command, tmp_path / "missing.toml").exit_code == 1
-    as_json = run(app, command, path, "--json")
-    assert json.loads(as_json.stdout)["exit_code"] == 1
-
-
-def test_what_cannot_be_written_is_told(app, scene, tmp_path, two_methods):
-    (tmp_path / "file").write_text("in the way")
-    done = run(app, "accuracy", scene, "--out", tmp_path / "file")
-    assert done.exit_code == 2 and "cannot be written" in done.stderr
-    assert (tmp_path / "file").read_text() == "in the way"
 
 
 def test_an_answer_that_is_wrong_has_exit_code_3(app, scene, tmp_path, monkeypatch):
@@ -131,9 +105,3 @@ def test_an_unknown_system_is_told_with_the_nearest_name(app, tmp_path):
 
 def test_a_scene_and_systems_together_are_a_wrong_command_line(app, scene):
     assert run(app, "stability", scene, "--systems", "heavy_damper").exit_code == 2
-
-
-@pytest.mark.parametrize("option", [("accuracy", "--seconds", "0"), ("stability", "--decades", "0"), ("stability", "--step", "-1")])
-def test_options_out_of_range_are_a_wrong_command_line(app, scene, option):
-    command, *others = option
-    assert run(app, command, scene, *others).exit_code == 2

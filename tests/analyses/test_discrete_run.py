@@ -1,6 +1,5 @@
 """Scenes in discrete time: samples against recursions and the continuous motion, refusals, files and page."""
 
-import json
 from pathlib import Path
 
 import numpy as np
@@ -130,14 +129,6 @@ def test_a_normal_form_has_its_coordinates_and_the_outputs_of_the_state_space(tm
     path = EXAMPLES / "identified_descriptor.toml"
     with pytest.raises(mb.SceneError, match='follows the second derivative of the input "table"'):
         mb.read_scene(path, {**changes, "time.hold": 1}).run()
-
-
-def test_the_command_prints_samples(command, tmp_path):
-    code, output, _ = command("run", EXAMPLES / "reservoirs.toml", "--json")
-    data = json.loads(output)
-    assert code == 0 and data["step_domain"] == "discrete" and data["samples"][-1] == 60
-    code, output, _ = command("run", EXAMPLES / "sampled_quarter_car.toml")
-    assert code == 0 and "Largest samples" in output
 
 
 def sampled_robot(name: str, step: float, hold: int, plots: list[str]) -> mb.Scene:

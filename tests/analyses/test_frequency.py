@@ -89,6 +89,7 @@ def test_a_run_computes_and_writes_it_where_the_scene_has_the_table(tmp_path):
 def test_the_curves_of_the_page_are_the_response_at_every_frequency(tmp_path, amplitude):
     own = frequency_of(tmp_path, ISOLATED, quantity="transmissibility", amplitude=amplitude, axis="rad/s", plots=["bode", "parts"])
     size, phase, real, imaginary = own.to_answer().page().plots
+    assert size.unit == ("dB re 1" if amplitude == "dB" else "")
     functions, row = size.curves[0].function
     omega = np.geomspace(size.times[0], size.times[-1], 50)
     T = transmissibility(omega / (2 * np.pi))

@@ -23,6 +23,8 @@ def scene(name):
 
 
 SHOWN = {
+    "system": (system, "receptance"),
+    "scene": (lambda: scene("two_masses"), "displacement"),
     "motion": (lambda: system().solve([0.1]), "displacement"),
     "frequency response": (lambda: system().frequency_response(F), "receptance"),
     "random response": (lambda: system().random_response({"cart": white_noise(2.0)}), "density"),
@@ -70,4 +72,5 @@ def test_many_plots_are_not_all_shown():
 
 def test_texts_of_users_are_escaped():
     record = mb.Record(np.array([0.0, 1.0, 1.0, 2.0]), np.array([0.0, 1.0, 2.0, 3.0]), "m/s^2", '"><script>alert(1)</script>')
+    assert "<b>" not in mb.MechanicalSystem([[1.0]], names=["<b>"])._repr_html_()
     assert "<script" not in record._repr_html_() and "<script" not in pictures_of(record._repr_html_())[0]

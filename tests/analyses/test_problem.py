@@ -1,7 +1,5 @@
 """A problem is what its scene asks, and is solved from scratch each time."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -9,22 +7,6 @@ import mbconstrained as mb
 from mbconstrained.analyses.study_problem import StudyProblem, again, mechanical_problem, problem_of
 from mbconstrained.polynomial import polynomial_matrix
 from mbconstrained.scene.run.scene import read_scene
-from tests.analyses.accuracy.problems import SWITCHES
-
-EXAMPLES = [
-    path for path in sorted(Path("examples").glob("*.toml")) if not any(one in path.read_text(encoding="utf-8") for one in SWITCHES)
-]
-
-
-@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
-def test_a_problem_has_the_answer_of_its_scene(path):
-    scene = read_scene(path)
-    problem = problem_of(scene)
-    expected = scene.equations.solve()(problem.times)
-    assert np.array_equal(problem.solve()(problem.times), expected)
-    # the general way, where a transfer function has one of its own, agrees with it
-    general = problem.solve_equations()(problem.times)
-    assert np.abs(general - expected).max() <= 1e-11 * max(np.abs(expected).max(), 1.0)
 
 
 @pytest.mark.parametrize(

@@ -3,7 +3,6 @@
 import inspect
 import json
 
-import numpy as np
 import pytest
 
 import mbconstrained as mb
@@ -55,22 +54,3 @@ def test_every_answer_has_all_forms(scene, ask, tmp_path):
 def test_runs_are_compared_without_files(scene):
     other = mb.read_scene(DAMPER, {"zeta": 0.2})
     assert set(scene.compare(others=[other]).to_dict()["runs"]) == {"tuned_mass_damper", "tuned_mass_damper.zeta=0.2"}
-
-
-def test_natural_guesses_are_answered(scene):
-    assert scene.system is scene.equations.system
-    modes = scene.system.modes()
-    assert np.array_equal(modes[modes.names[1]], modes.shapes[1])
-    with pytest.raises(mb.InputError, match='there is no "nothing"'):
-        modes["nothing"]
-
-
-def test_forces_by_name():
-    system = mb.MechanicalSystem(np.eye(2), stiffness=[[2.0, -1], [-1, 2.0]], names=["cart", "load"])
-    named = system.solve(force={"load": mb.harmonic(5.0, angular_frequency=3.0), "cart": 2.0})
-    given = system.solve(force=mb.harmonic([0.0, 5.0], angular_frequency=3.0) + mb.step([2.0, 0.0]))
-    assert np.allclose(named(np.arange(5.0)), given(np.arange(5.0)), rtol=1e-13)
-    with pytest.raises(mb.InputError, match="2 rows; expected one"):
-        system.solve(force={"load": mb.step([1.0, 2.0])})
-    with pytest.raises(mb.InputError, match='no coordinate "lod"; did you mean "load"'):
-        system.solve(force={"lod": mb.step(1.0)})

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import contextlib
 import csv
+import functools
 import io
 import json
 import re
@@ -21,6 +22,7 @@ import sys
 import tempfile
 from collections import defaultdict
 from pathlib import Path
+from unittest import mock
 
 import numpy as np
 
@@ -75,8 +77,12 @@ def scenes() -> list[str]:
 
 
 def answers(scene: str) -> dict:
-    """What a scene answers: by command the exit code, columns of numbers and sets of texts."""
-    return {" ".join(command): _answer(scene, command) for command in _commands(scene)}
+    """What a scene answers, read once for all commands: by command the exit code, columns of numbers and sets of texts."""
+    from mbconstrained.scene.run import scene as module
+
+    given, read = module.read_scene, functools.cache(module.read_scene)
+    with mock.patch.object(module, "read_scene", lambda path, *changes: given(path, *changes) if any(changes) else read(path)):
+        return {" ".join(command): _answer(scene, command) for command in _commands(scene)}
 
 
 def _commands(scene: str) -> list[tuple[str, ...]]:

@@ -66,19 +66,15 @@ OBJECTS = {
 
 
 @pytest.mark.parametrize("make", OBJECTS.values(), ids=OBJECTS)
-def test_a_public_object_prints_as_one_short_line(make):
-    text = repr(make())
-    assert len(text) <= 200 and "\n" not in text and "array(" not in text and " at 0x" not in text
-
-
-@pytest.mark.parametrize("make", OBJECTS.values(), ids=OBJECTS)
-def test_a_notebook_shows_well_formed_tables(make):
+def test_a_public_object_prints_as_one_short_line_and_in_a_notebook_with_well_formed_tables(make):
     shown = make()
+    line = repr(shown)
+    assert len(line) <= 200 and "\n" not in line and "array(" not in line and " at 0x" not in line
     if not hasattr(shown, "_repr_html_"):
         return
     text = shown._repr_html_()
     tree = ElementTree.fromstring(f"<div>{text}</div>")
-    assert tree.find("p").text == repr(shown) and "<script" not in text
+    assert tree.find("p").text == line and "<script" not in text
     for table in tree.findall("table"):
         widths = {len(row) for row in table.findall("tr")}
         assert len(widths) == 1 and len(table.findall("tr")) > 1

@@ -4,6 +4,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+import sympy
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -16,6 +17,7 @@ from mbconstrained.linalg.precise import (
     precise_arithmetic,
     product,
     solved,
+    zero_multiplicity,
 )
 from mbconstrained.linalg.rank import Noisy, compress_rows
 
@@ -59,3 +61,14 @@ def test_null_combinations_are_precise():
         found = compress_rows(Noisy(rows, 1e-60 * magnitude(rows)))
         assert found.decision.rank == 1
         assert magnitude(product(found.null.data, rows)).max() < 1e-60
+
+
+@given(st.integers(1, 4), st.integers(0, 10**6))
+def test_zeros_at_zero_are_those_of_the_determinant(size, seed):
+    """Counted modulo a prime."""
+    random = np.random.default_rng(seed)
+    E, F = random.integers(-1, 2, (2, size, size)) / 8.0
+    s = sympy.Symbol("s")
+    determinant = sympy.Poly((s * sympy.Matrix(E.astype(str)) - sympy.Matrix(F.astype(str))).applyfunc(sympy.nsimplify).det(), s)
+    if not determinant.is_zero:
+        assert zero_multiplicity(E, F) == min(power for (power,) in determinant.monoms())

@@ -1,4 +1,6 @@
-"""Rank decisions: exact zeros against small numbers, rounding against independence, and the gap that is told."""
+"""Rank decisions: exact zeros against small numbers, rounding against independence, the gap that is told, and the noise that decides."""
+
+from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -113,3 +115,29 @@ def test_entries_that_stand_alone_are_decided_as_in_any_other_company(rows, colu
     assert found.decision.rank == len(found.pivots) == known == np.linalg.matrix_rank(matrix[found.pivots])
     assert np.abs(found.null.data @ matrix).max(initial=0.0) <= 1e-13
     assert np.linalg.matrix_rank(found.left.data) == rows
+
+
+# Noise.
+
+
+def rational(array):
+    """The array as Fractions with exactly its values."""
+    return np.vectorize(Fraction, otypes=[object])(array)
+
+
+@given(st.integers(0, 10**6), st.integers(1, 5), st.integers(1, 5))
+def test_noise_of_products_bounds_their_rounding(seed, rows, columns):
+    """|computed - exact| <= noise times a small factor, for a chain of products of thirds, entry by entry."""
+    random = np.random.default_rng(seed)
+    A, B, C = (random.integers(-9, 10, shape) / 3 for shape in [(rows, 4), (4, columns), (columns, 3)])
+    found = Noisy.rounded(A) @ Noisy.rounded(B) @ Noisy.rounded(C)
+    exact = rational(np.round(3 * A)) @ rational(np.round(3 * B)) @ rational(np.round(3 * C)) / 27
+    error = np.abs(rational(found.data) - exact).astype(float)
+    assert (error <= 4 * found.noise).all()
+
+
+def test_a_difference_that_should_be_zero_is_cleaned_to_zero():
+    """0.1 + 0.2 - 0.3."""
+    total = Noisy.rounded(np.array([[0.1, 0.2, 0.3]])) @ Noisy.exact(np.array([[1.0], [1.0], [-1.0]]))
+    assert total.data[0, 0] != 0
+    assert total.cleaned().tolist() == [[0.0]]

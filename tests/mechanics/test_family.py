@@ -232,7 +232,7 @@ def test_infinite_and_undamped_variances_are_those_of_each_system():
 
 
 def test_memory_is_that_of_the_answer_and_of_what_is_kept():
-    """Chunks bound the rest: 1200 systems of 8 states need no more for each than 600 do, and a motion is not held twice."""
+    """Chunks bound the rest: 2000 systems of 8 states need no more for each than 1000 do, and a motion is not held twice."""
 
     def highest(count, question):
         scattered = 1 + 0.05 * np.random.default_rng(0).normal(size=(count, 1, 1))
@@ -245,9 +245,9 @@ def test_memory_is_that_of_the_answer_and_of_what_is_kept():
         finally:
             tracemalloc.stop()
 
-    times = np.linspace(0.0, 5.0, 250)
+    times = np.linspace(0.0, 5.0, 500)
     for question in (lambda one: one.modes().eigenvalues, lambda one: one.solve(np.ones(4))(times)):
-        (small, own), (large, answer) = highest(600, question), highest(1200, question)
+        (small, own), (large, answer) = highest(1000, question), highest(2000, question)
         assert large - answer <= 2.1 * (small - own)
     assert large <= 1.5 * answer  # the last of them, a motion
 

@@ -160,11 +160,11 @@ def test_a_folded_table_shows_its_title_only():
     assert "<details>" not in page_html(PageContent("t", tables=(replace(table, folded=False),)))
 
 
-@pytest.mark.parametrize("last", ["run.js", "modes.js", "frequency.js"])
+@pytest.mark.parametrize("last", ["run", "modes", "frequency"])
 def test_scripts_of_one_page_have_different_names_at_the_top(last):
     """All scripts of a page share one scope, in which the later of two functions of one name is taken."""
-    scripts = ["theme.js", "numbers.js", *_PLOTS, *_ANIMATION, "overlay.js", "posing.js", last]
-    text = "\n".join((_ASSETS / name).read_text(encoding="utf-8") for name in scripts)
+    scripts = ["theme", "numbers", *_PLOTS, *_ANIMATION, "overlay", "posing", "switching", "rotors", last]
+    text = "\n".join((_ASSETS / f"{name}.js").read_text(encoding="utf-8") for name in scripts)
     names = re.findall(r"^(?:async )?(?:function\*?|const|let|class) (\w+)", text, re.M)
     assert sorted(name for name in set(names) if names.count(name) > 1) == []
 

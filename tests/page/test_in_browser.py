@@ -25,18 +25,17 @@ def written(tmp_path, content):
     return write_page(tmp_path / "page.html", content)
 
 
-def test_it_opens_without_a_complaint_and_asks_for_nothing_but_itself(browser, page):
-    browser.open(page, "#t=1.25").wait(0.3)
-    assert browser.messages == []
-    assert browser.requests == [page.as_uri()]
-    assert browser.state()["errors"] == []
-
-
-def test_the_state_at_a_time_of_the_animation_is_that_of_the_solution(browser, page):
+def test_it_opens_at_a_time_as_the_solution_is_then_and_asks_for_nothing_but_itself(browser, page):
     state = browser.open(page, "#t=1.25").state()
+    browser.wait(0.3)
+    assert (browser.messages, browser.requests, state["errors"]) == ([], [page.as_uri()], [])
     assert (state["time"], state["duration"], state["playing"]) == (1.25, 50.0, False)
-    assert list(state["coordinates"]) == ["x1", "q1", "q2"]
-    assert list(state["coordinates"].values()) == pytest.approx(two_masses(np.array([1.25]))[:, 0], rel=1e-11)
+    names, drawing, values = ("x1", "q1", "q2"), two_masses_drawing(), two_masses(np.array([1.25]))
+    assert tuple(state["coordinates"]) == names
+    assert list(state["coordinates"].values()) == pytest.approx(values[:, 0], rel=1e-11)
+    for body in drawing.bodies:
+        place = positions(drawing, body, names, values)[:, 0]
+        assert state["nodes"][body.name]["position"] == pytest.approx(place, abs=1e-9)
 
 
 def test_the_state_at_any_other_time_is_that_of_the_solution_too(browser, page):
@@ -45,14 +44,6 @@ def test_the_state_at_any_other_time_is_that_of_the_solution_too(browser, page):
         state = browser.evaluate(f"mbconstrained.seek({time}), mbconstrained.state()")
         known = two_masses(np.array([time]))[:, 0]
         assert list(state["coordinates"].values()) == pytest.approx(known, abs=1e-6), time
-
-
-def test_bodies_stand_where_the_drawing_puts_them(browser, page):
-    state = browser.open(page, "#t=1.25").state()
-    drawing, values = two_masses_drawing(), two_masses(np.array([1.25]))
-    for body in drawing.bodies:
-        place = positions(drawing, body, ("x1", "q1", "q2"), values)[:, 0]
-        assert state["nodes"][body.name]["position"] == pytest.approx(place, abs=1e-9)
 
 
 def test_the_play_button_plays_and_pauses(browser, page):
@@ -92,21 +83,15 @@ def test_the_slider_seeks(browser, page):
     assert browser.state()["time"] == pytest.approx(25, abs=1)
 
 
-def test_the_address_seeks_and_pauses(browser, page):
-    browser.open(page)
-    browser.click("#play")
-    browser.evaluate("new Promise(done => { addEventListener('hashchange', done); location.hash = '#t=2.5' })")
-    state = browser.state()
-    assert (state["time"], state["playing"]) == (2.5, False)
-
-
-def test_an_address_beyond_the_motion_is_brought_into_it(browser, page):
+def test_an_address_seeks_and_pauses_and_one_beyond_the_motion_is_brought_into_it(browser, page):
     browser.open(page, "#t=soon")
-    times = [browser.state()["time"]]
-    for fragment in ("#t=999", "#t=-3", "#other"):
+    found = [browser.state()["time"]]
+    browser.click("#play")
+    for fragment in ("#t=2.5", "#t=999", "#t=-3", "#other"):
         browser.evaluate(f"new Promise(done => {{ addEventListener('hashchange', done); location.hash = '{fragment}' }})")
-        times.append(browser.state()["time"])
-    assert times == [0, 50, 0, 0]
+        found.append(browser.state()["time"])
+        assert browser.state()["playing"] is False
+    assert found == [0, 2.5, 50, 0, 0]
     assert browser.state()["errors"] == []
 
 

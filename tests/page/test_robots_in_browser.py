@@ -72,11 +72,7 @@ def test_a_spring_ends_at_its_point_on_the_body_that_turns(browser, tmp_path):
     for time in (0.0, 2.7):
         browser.evaluate(f"mbconstrained.seek({time})")
         crank, coupler, _ = four_bar_angles([time])[:, 0]
-        middle = [
-            CRANK * np.cos(crank) + COUPLER / 2 * np.cos(coupler),
-            0,
-            CRANK * np.sin(crank) + COUPLER / 2 * np.sin(coupler),
-        ]
+        middle = [CRANK * np.cos(crank) + COUPLER / 2 * np.cos(coupler), 0, CRANK * np.sin(crank) + COUPLER / 2 * np.sin(coupler)]
         assert browser.evaluate(place_of_spring_end("link 1")) == pytest.approx(0.1 * np.array(middle), abs=2e-6)
 
 

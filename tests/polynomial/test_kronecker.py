@@ -76,7 +76,7 @@ def unimodular(random, size) -> np.ndarray:
     return (lower + np.eye(size)) @ (upper + np.eye(size))
 
 
-SEEDS = [pytest.param(range(30), id="30"), pytest.param(range(30, 500), marks=pytest.mark.long, id="500")]
+SEEDS = [pytest.param(range(30), id="30"), pytest.param(range(30, 150), marks=pytest.mark.long, id="120")]
 
 
 @pytest.mark.parametrize("seeds", SEEDS)
@@ -126,7 +126,7 @@ def unimodular_polynomial(random, size) -> np.ndarray:
     return np.array([P, P @ np.tril(random.integers(-1, 2, (size, size)), -1)])
 
 
-@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("seed", range(8))
 def test_unimodular_factors_keep_right_indices_and_zeros(seed):
     """U(s) (s E - F): degree 2, with the right kernel and the finite divisors of the pencil; the sum of the infinite ones follows."""
     random = np.random.default_rng(seed)
@@ -171,10 +171,8 @@ def test_nlevp_qep5(structure_of):
     assert structure.rank == 2
     assert structure.redundant_equations == ("equation 3",)
     assert [vector.entries for vector in structure.left_kernel] == [("equation 2: s", "equation 3: -1")]
-
-
-def test_nlevp_qep5_has_its_smith_form():
-    assert mb.exact.structure(mb.PolynomialMatrix(QEP5)).invariant_polynomials == ((1,), (-1, 1))
+    if structure_of is mb.exact.structure:
+        assert structure.invariant_polynomials == ((1,), (-1, 1))
 
 
 @pytest.mark.parametrize("degree", [0, 1, 3])

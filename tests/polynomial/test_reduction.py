@@ -234,7 +234,7 @@ def product_of(M: np.ndarray, rows) -> float:
     return float(np.abs(M[np.asarray(rows), np.arange(len(M))]).prod())
 
 
-@pytest.mark.parametrize("seed", range(40))
+@pytest.mark.parametrize("seed", range(12))
 def test_no_order_of_few_rows_has_a_larger_product_on_the_diagonal(seed):
     M = unlike(seed, 2 + seed % 4)
     best = max(product_of(M, rows) for rows in permutations(range(len(M))))

@@ -13,14 +13,11 @@ EVEN = np.linspace(0.0, 30.0, 200)
 UNEVEN = np.array([0.0, 1e-3, 0.2, 3.0, 17.0, 30.0])
 
 
-def function(model: str = "some", *, force=True, later=False) -> FlowFunction:
+def function() -> FlowFunction:
     """Of a new model each time: nothing is decoupled yet."""
-    system = plain_system("chain", static=2, damped=2, damping=model)
+    system = plain_system("chain", static=2, damped=2, damping="some")
     F = np.random.default_rng(1).normal(size=(2, 36))
-    applied = mb.step(F[0]) + mb.harmonic(F[1], angular_frequency=0.7) if force else None
-    if later:
-        applied = applied + mb.step(F[1]).delayed(4.0)
-    return system.solve(*fitting_start(system), applied).function
+    return system.solve(*fitting_start(system), mb.step(F[0]) + mb.harmonic(F[1], angular_frequency=0.7)).function
 
 
 def is_decoupled(found: FlowFunction) -> bool:
@@ -36,16 +33,6 @@ def test_even_times_are_stepped_and_others_are_not():
     assert difference(np.delete(first, 100, axis=1), np.delete(other, 100, axis=1)) <= 1e-12
 
 
-@pytest.mark.parametrize("later", [False, True])
-@pytest.mark.parametrize("order", [0, 1, 2, 3])
-def test_derivatives_are_those_of_the_modes(order, later):
-    found = function(later=later)
-    expected = found.modal.derivative(order)
-    times = UNEVEN[2:]
-    assert difference(found.derivative(order)(times), expected(times)) <= 1e-12
-    assert isinstance(found.derivative(order), FlowFunction)
-
-
 def test_sums_multiples_and_maps():
     found, matrix = function(), np.random.default_rng(2).normal(size=(3, 36))
     values = found(UNEVEN)
@@ -58,12 +45,6 @@ def test_sums_multiples_and_maps():
     ):
         assert np.abs(made(UNEVEN) - expected).max() <= 1e-12 * np.abs(values).max()
     assert isinstance(found.mapped(matrix) * 2.0, FlowFunction)
-
-
-def test_without_any_force():
-    found = function(force=False)
-    first = found(EVEN)
-    assert difference(first, found.modal(EVEN)) <= 1e-12
 
 
 @pytest.mark.parametrize("part", [0.5, 0.999, 1.001, 2.0])

@@ -102,21 +102,6 @@ def test_mechanics_read_off_it(answers, model):
     assert np.abs(x.energy(times).total - other.energy(times).total).max() <= 1e-12 * np.abs(other.energy(times).total).max()
 
 
-def test_what_does_not_fit_jumps():
-    system = MODELS["grid with ties"]
-    displacement, velocity = fitting_start(system)
-    tied = np.flatnonzero(system.constraint_matrix[0])[0]
-    off = np.eye(system.size)[tied] * 1e-6
-    for one in (
-        system.solve(displacement, velocity),
-        system.solve(displacement + off, velocity),
-        system.solve(displacement, velocity + off),
-    ):
-        assert is_reduced(one)
-        exact, _ = one.exact.event(0.0)
-        assert np.allclose(one.jump, exact, rtol=1e-9, atol=1e-15)
-
-
 def tied_to(time_function_jumps: bool):
     """A chain whose last mass is moved: its row of A(s) is x = s(t), and some of its mass goes with the last but one."""
     system = plain_system("chain", size=30)

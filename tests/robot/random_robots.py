@@ -47,9 +47,12 @@ def random_loops(rng, kinds, names, planar: bool, ground: bool) -> list:
     for i, kind in enumerate(kinds):
         first = names[-1 - i]
         second = "ground" if ground or rng.random() < 0.3 else names[rng.integers(0, len(names) - 1 - i)]
-        options = {"axis": (0, 0, 1) if planar else rng.normal(size=3)} if kind == "hinge" else {}
+        options = {}
+        if kind in ("hinge", "prismatic", "cylindrical"):
+            options["axis"] = (0, 0, 1) if planar else rng.normal(size=3)
         point, turned = rng.uniform(-0.3, 0.3, 3), rng.uniform(-1, 1, 3) * ([0, 0, 1] if planar else 1)
-        loops.append(mb.Loop(first, point, second, kind=kind, rotation1=turned, name=f"loop {i}", **options))
+        end = rng.uniform(-1, 1, 3) if kind == "rod" else None
+        loops.append(mb.Loop(first, point, second, end, kind=kind, rotation1=turned, name=f"loop {i}", **options))
     return loops
 
 

@@ -4,8 +4,8 @@ The tree of joints is pinocchio's (frame placements, frame Jacobians, mass matri
 bodies besides the joints is written down here from its definition, as forces on points, and differentiated only
 numerically; nothing of mbconstrained/models/robot is used.
 
-    loops: exact gradients of p2 - p1 = 0 (ground's directions) and of scalar products of axes that are to stay at
-        right angles; no logarithm, no convention of a body frame.
+    loops: exact gradients of p2 - p1 = 0 (ground's directions, or directions of the first body where it slides), of lengths, and of
+        scalar products of axes that are to stay at right angles; no logarithm, no convention of a body frame.
 """
 
 from dataclasses import dataclass, field, replace
@@ -188,8 +188,11 @@ class Reference:
 
     def _gradient(self, loop) -> np.ndarray:
         first, second = self.ends(loop)
+        gap, moves = second.place - first.place, second.moves - first.moves
+        slides = loop.kind in ("prismatic", "cylindrical")  # along directions that turn with the first body
+        shifts = [a @ moves + slides * np.cross(a, gap) @ first.turns for a in self._directions(loop, first, gap)]
         turns = [np.cross(e, a) @ (second.turns - first.turns) for a, e in self._right_angles(loop, first, second)]
-        return np.vstack([second.moves - first.moves, *turns])
+        return np.vstack([*shifts, *turns])
 
     def gaps(self, q) -> np.ndarray:
         """What the loops hold at zero."""
@@ -197,29 +200,49 @@ class Reference:
         solution = []
         for loop in self.loops:
             first, second = self.ends(loop)
-            solution += [*(second.place - first.place), *(a @ e for a, e in self._right_angles(loop, first, second))]
+            gap = second.place - first.place
+            rest = self._distance(loop) if loop.kind == "rod" else 0.0
+            solution += [a @ gap - rest for a in self._directions(loop, first, gap)]
+            solution += [a @ e for a, e in self._right_angles(loop, first, second)]
         return np.array(solution)
+
+    def _distance(self, loop) -> float:
+        """The length of a rod, that at the start."""
+        first, second = self.at_start.ends(loop)
+        return float(np.linalg.norm(second.place - first.place))
+
+    @staticmethod
+    def _directions(loop, first, gap) -> list[np.ndarray]:
+        """Directions in which the loop keeps its points together: fixed in space, or, of one that slides, in the first body."""
+        if loop.kind == "rod":
+            return [gap / np.linalg.norm(gap)]
+        if loop.kind in ("prismatic", "cylindrical"):
+            return [first.turn @ u for u in np.linalg.svd(np.array(loop.axis)[None])[2][1:]]
+        return [*np.eye(3)]
 
     @staticmethod
     def _right_angles(loop, first, second):
         """Pairs of an axis of the first frame and one of the second that the loop keeps at right angles."""
-        if loop.kind == "point":
+        if loop.kind in ("point", "rod"):
             return []
-        if loop.kind == "rigid":
+        if loop.kind in ("rigid", "prismatic"):
             return [(first.turn[:, i], second.turn[:, (i + 1) % 3]) for i in range(3)]
+        if loop.kind == "universal":
+            return [(first.turn @ loop.axis, second.turn @ loop.axis2)]
         axis = np.array(loop.axis, float) / np.linalg.norm(loop.axis)
         across = np.linalg.svd(axis[None])[2][1:]
         return [(first.turn @ axis, second.turn @ u) for u in across]
 
     def multipliers(self, q, reactions: dict) -> np.ndarray:
-        """Of ``rows``, from force and torque on body 2 in the directions of the frame on body 1, by loop name."""
+        """Of ``rows``, from force and torque on body 2 in the directions of the ground, by loop name."""
         self.place(q)
         solution: list = []
         for loop in self.loops:
             first, second = self.ends(loop)
-            force, torque = first.turn @ reactions[loop.name][:3], first.turn @ reactions[loop.name][3:]
-            arms = np.array([np.cross(e, a) for a, e in self._right_angles(loop, first, second)]).reshape(-1, 3).T
-            solution += [*force, *(np.linalg.lstsq(arms, torque, rcond=None)[0] if arms.size else [])]
+            directions = np.array(self._directions(loop, first, second.place - first.place))
+            arms = np.array([np.cross(e, a) for a, e in self._right_angles(loop, first, second)]).reshape(-1, 3)
+            for basis, part in zip((directions, arms), np.split(reactions[loop.name], 2)):
+                solution += [*np.linalg.lstsq(basis.T, part, rcond=None)[0]] if len(basis) else []
         return np.array(solution)
 
     def stiffness(self, q, multipliers) -> np.ndarray:

@@ -39,7 +39,7 @@ def test_talos_stands(talos):
     _, posture, system, reference, q = talos
     assert system.size == 38 and len(system.rows) == 12
     assert np.abs(pin.difference(reference.model, q, posture.configuration)).max() < 1e-12
-    f = reference.applied(q) + reference.rows(q).T @ reference.multipliers(q, posture.reactions)
+    f = reference.applied(q) + reference.rows(q).T @ reference.multipliers(q, posture.ground_reactions)
     for name, torque in posture.torques.items():
         f[reference.coordinates.index(name)] += torque
     weight = -9.81 * sum(inertia.mass for inertia in reference.model.inertias)
@@ -55,7 +55,7 @@ def test_talos_stiffness_is_the_derivative_of_all_forces(talos):
     N = null_space(reference.rows(q)[:, places])
     same = allowed(system)
     assert same.shape == N.shape == (38, 26) and np.abs(same - N @ (N.T @ same)).max() < 1e-9
-    K = reference.stiffness(q, reference.multipliers(q, posture.reactions))[np.ix_(places, places)]
+    K = reference.stiffness(q, reference.multipliers(q, posture.ground_reactions))[np.ix_(places, places)]
     expected, actual = N.T @ K @ N, N.T @ system.stiffness @ N
     assert np.abs(actual - expected).max() <= 1e-9 * np.abs(expected).max()
     assert np.abs(actual - actual.T).max() <= 1e-10 * np.abs(actual).max()

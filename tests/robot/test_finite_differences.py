@@ -19,6 +19,12 @@ CASES = {
     "two points": {"kinds": ["point", "point"], "joints": 8},
     "hinge": {"kinds": ["hinge"], "joints": 8},
     "rigid": {"kinds": ["rigid"], "joints": 9},
+    "rod": {"kinds": ["rod"]},
+    "two rods, not fixed": {"kinds": ["rod", "rod"], "joints": 4, "fixed": False},
+    "cylindrical": {"kinds": ["cylindrical"], "joints": 7},
+    "prismatic, not fixed": {"kinds": ["prismatic"], "joints": 8, "fixed": False},
+    "universal": {"kinds": ["universal"], "joints": 7},
+    "universal, not fixed": {"kinds": ["universal"], "joints": 7, "fixed": False},
     "rigid and point": {"kinds": ["rigid", "point"], "joints": 12},
     "point, not fixed": {"kinds": ["point"], "fixed": False},
     "hinge, not fixed": {"kinds": ["hinge"], "joints": 8, "fixed": False},
@@ -55,7 +61,7 @@ def test_equilibrium_is_one(name, seed):
     f = case.reference.applied(q)
     if len(case.reference.loops):
         assert np.abs(case.reference.gaps(q)).max() < 1e-10
-        f = f + case.reference.rows(q).T @ case.reference.multipliers(q, posture.reactions)
+        f = f + case.reference.rows(q).T @ case.reference.multipliers(q, posture.ground_reactions)
     for joint, torque in posture.torques.items():
         f[case.reference.coordinates.index(joint)] += torque
     assert np.abs(f).max() < 1e-8
@@ -73,7 +79,7 @@ def test_stiffness_is_the_derivative_of_all_forces(name, seed):
     assert same.shape == N.shape and np.abs(same - N @ (N.T @ same)).max(initial=0) < 1e-9
     assert N.shape[1], "this case does not move: choose more joints"
     if case.hold == "all":  # motors and loops share the load: the share is the robot's choice
-        multipliers = case.reference.multipliers(q, posture.reactions)
+        multipliers = case.reference.multipliers(q, posture.ground_reactions)
     else:
         multipliers = np.linalg.lstsq(case.reference.rows(q).T, -case.reference.applied(q), rcond=1e-9)[0]
     expected = N.T @ case.reference.stiffness(q, multipliers)[np.ix_(places, places)] @ N

@@ -12,9 +12,11 @@ from PIL import Image
 
 import mbconstrained as mb
 from mbconstrained.ground.errors import InputError
+from mbconstrained.robot.description import mjcf
 from mbconstrained.robot.description.meshes import MeshFiles, UnreadableMesh, collada_mesh, wavefront_mesh
 from mbconstrained.robot.description.urdf import xml_element
 from mbconstrained.robot.visualization import visuals_of
+from tests.robot.mjcf_models import compiled_here
 
 CORNERS = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], float)
 SIDES = ["0 1 3 2", "4 6 7 5", "0 4 5 1", "2 3 7 6", "0 2 6 4", "1 5 7 3"]  # counter-clockwise from outside
@@ -380,9 +382,10 @@ BODIES = {
 
 
 @pytest.mark.parametrize("ending", BODIES)
-def test_without_a_mesh_the_other_shapes_are_drawn(ending, tmp_path):
+def test_without_a_mesh_the_other_shapes_are_drawn(ending, tmp_path, monkeypatch):
     if ending == "xml":
         pytest.importorskip("mujoco")
+        monkeypatch.setattr(mjcf, "_compiled", compiled_here)
     (tmp_path / f"m.{ending}").write_text(BODIES[ending])
     robot = mb.Robot(tmp_path / f"m.{ending}")
     (visual,) = robot.visuals()

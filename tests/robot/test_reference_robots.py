@@ -114,7 +114,9 @@ def test_stiffness_of_forces_that_keep_their_direction(seed, kinds):
     places = [case.reference.coordinates.index(name) for name in case.robot.coordinates]
     J = case.reference.rows(q)[:, places]
     N = null_space(J) if len(J) else np.eye(6)
-    expected = N.T @ case.reference.stiffness(q, case.reference.multipliers(q, posture.reactions))[np.ix_(places, places)] @ N
+    expected = (
+        N.T @ case.reference.stiffness(q, case.reference.multipliers(q, posture.ground_reactions))[np.ix_(places, places)] @ N
+    )
     assert np.abs(N.T @ system.stiffness @ N - expected).max() <= 1e-9 * np.abs(expected).max()
 
 

@@ -82,7 +82,7 @@ def test_show_opens_the_page_in_a_browser(monkeypatch):
 @pytest.mark.parametrize(
     "options, text",
     [
-        ({"plots": ["speed"]}, "plots: found 'speed'; expected some of displacement"),
+        ({"plots": ["speed"]}, "plots: found 'speed'; expected one of displacement"),
         ({"plots": ["reaction"]}, "found reaction, but there are no constraint rows"),
         ({"end": -1}, "end: found -1"),
         ({"points": 1}, "points: found 1; expected a whole number of at least 2"),

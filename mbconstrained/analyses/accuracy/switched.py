@@ -21,13 +21,13 @@ from ...mechanics.switched.impact import complementary
 from ...mechanics.switched.phase import Phase
 from ...mechanics.switched.sequence import MOST_EVENTS, PhaseSequence
 from ..study_problem import StudyProblem, chosen_places
+from .measure import MOST_TIMES, ReferenceSolution
 from .methods import ComparedMethod, Evaluate, Failure, MethodSetting, _evaluation, tolerances
 
 if TYPE_CHECKING:
     from ...mechanics.switched.switched_motion import SwitchedMotion
     from ...mechanics.switched.switched_system import SwitchedSystem
     from ...scene.run.scene import Scene
-    from .measure import ReferenceSolution
 
 #: The tolerance of the integration with which the closed form is compared.
 FINEST = 1e-13
@@ -69,8 +69,6 @@ def switched_problem_of(scene: Scene) -> SwitchedProblem:
 
 def switched_reference(problem: SwitchedProblem) -> ReferenceSolution:
     """The closed form, verified to the accuracy with which solve_ivp with events agrees at its least tolerance."""
-    from .measure import MOST_TIMES, ReferenceSolution
-
     places = chosen_places(len(problem.times), MOST_TIMES)
     motion = problem.solve()
     values = motion(problem.times[places])

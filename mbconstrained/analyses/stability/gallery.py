@@ -59,9 +59,6 @@ GALLERY: tuple[System, ...] = tuple(
     for name, table in tomllib.loads(Path(__file__).with_name("gallery.toml").read_text(encoding="utf-8")).items()
 )
 
-#: The chapters in their order.
-THEMES = tuple(dict.fromkeys(one.theme for one in GALLERY))
-
 
 def system(name: str) -> System:
     """The system with this name.

@@ -128,7 +128,7 @@ class Optimum(Displayed):
             tables=(TextTable("Best values", ("parameter", "best", "from", "to"), tuple(rows)),),
             notices=(*scene.notices, *notices, *(Notice(NoticeKind.ACCURACY, text) for text in texts)),
             data=data,
-            plots=lambda: _plots(self, "" if unit == "1" else unit, factor),
+            plots=lambda: _plots(self, unit, factor),
         )
 
     def along(self, name: str) -> tuple[np.ndarray, np.ndarray]:

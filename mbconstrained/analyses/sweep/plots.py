@@ -74,7 +74,7 @@ class SweepPlots:
         unit, factor = self.result.scene.equations.coordinates.shown.of(
             getattr(self.result.samples.variations[name], "unit", ""), name
         )
-        return "" if unit == "1" else unit, factor * self.result.parameter(name)
+        return unit, factor * self.result.parameter(name)
 
     def _map(self, names: Sequence[str], figure: str) -> Plot:
         (across, x), (up, y), (unit, values) = *map(self.column, names), self.values(figure)
@@ -179,7 +179,7 @@ class SweepPlots:
             axis, _, end = variable.axis.partition(" (")
             name = variable.name.removeprefix("curve ")
             yield Plot(
-                f"band of {name}", "" if unit == "1" else unit, across, curves, across_unit=end[:-1], quantity=name, variable=axis, scales=scales,
+                f"band of {name}", unit, across, curves, across_unit=end[:-1], quantity=name, variable=axis, scales=scales,
                 note="Percentiles of all samples at each place.",
             )  # fmt: skip
 

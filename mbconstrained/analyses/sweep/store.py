@@ -42,7 +42,6 @@ MOST_MEMORY = 4e9
 #: Share of the size of numbers that remains after the best compression.
 LEAST_SIZE = 0.5
 
-_MARK = ".zgroup"
 _KEY = "mbconstrained"
 
 
@@ -292,20 +291,8 @@ def _runs(process: int) -> bool:
 
 def column_name(parameter: str) -> str:
     """The name of the array of a parameter, different from all axes and other arrays."""
-    reserved = (
-        STATUS,
-        REASON,
-        CHECKSUM,
-        "chunk",
-        "sample",
-        "mode",
-        "response",
-        "output",
-        "frequency",
-        "damping ratio",
-        "time (s)",
-        "frequency (Hz)",
-    )
+    axes = ("chunk", "sample", "mode", "response", "output", "time (s)", "frequency (Hz)")
+    reserved = (STATUS, REASON, CHECKSUM, *axes, "frequency", "damping ratio")
     return f"parameter {parameter}" if parameter in reserved else parameter
 
 

@@ -261,9 +261,7 @@ def _moving(
         for own in systems:
             with at(file_name, "motion"):
                 if linearized and table.motion:  # a moving base is at rest where nothing else is prescribed
-                    own = linearized.without_rows(
-                        f"motion of {name}" for motion in table.motion for name, _ in motion.rows.values()
-                    )
+                    own = linearized.without_rows(f"motion of {name}" for name in table.prescribed.values())
                 own = own.with_constraints(*prescribed) if prescribed else own
             own = _damped(table, own, file_name)  # of the modes with the supports at rest
             moved.append(_turning(getattr(table.model, "speed", None), own, file_name))

@@ -501,6 +501,11 @@ class SceneFile(Table):
     output: OutputTable = Field(OutputTable.model_construct(), description="Files to write, and contents of the page.")
     drawing: DrawingTable | None = Field(None, description="Drawing of the model; automatic by default.")
 
+    @property
+    def prescribed(self) -> dict[str, str]:
+        """The coordinates of [[motion]] by the names of the constraint rows that prescribe them."""
+        return {name: coordinate for motion in self.motion for name, (coordinate, _) in motion.rows.items()}
+
     @classmethod
     def _hint(cls, key: str) -> str:
         if key not in _lumped_table().model_fields:

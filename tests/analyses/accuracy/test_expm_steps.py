@@ -39,8 +39,14 @@ def test_each_time_by_itself_gives_the_same(force):
 
 @pytest.mark.parametrize("scene", [scene for scene in EXAMPLES if scene != "stiff_stack.toml"])
 def test_examples_agree_with_the_closed_form(scene):
-    found = problem_of(mb.read_scene(f"examples/{scene}"))
+    """The problem is what its scene asks, also by its equations alone, and has as many states as A(s) has finite zeros."""
+    scene = mb.read_scene(f"examples/{scene}")
+    found = problem_of(scene)
     closed = found.solve()(found.times)
+    assert np.array_equal(closed, scene.equations.solve()(found.times))
+    general = found.solve_equations()(found.times)
+    assert np.abs(general - closed).max() <= 1e-11 * max(np.abs(closed).max(), 1.0)
+    assert reduced(found).count == len(found.polynomial_matrix.jordan_pairs().finite.J)
     limit = max(1e-11, rounding_of_exponentials(found))
     np.testing.assert_allclose(answer(STEPS, found), closed, rtol=0, atol=limit * np.abs(closed).max())
 

@@ -17,7 +17,9 @@ from mbconstrained.analyses.accuracy.accuracy import (
 from mbconstrained.analyses.accuracy.measure import measure as measured
 from mbconstrained.analyses.accuracy.measure import reference_solution
 from mbconstrained.analyses.accuracy.methods import OURS, ComparedMethod, Failure, MethodSetting
-from mbconstrained.analyses.study_problem import mechanical_problem
+from mbconstrained.analyses.study_problem import mechanical_problem, problem_of
+from mbconstrained.analyses.timing import Timing
+from mbconstrained.scene.run.scene import read_scene
 
 TIMES = np.linspace(0.0, 3.0, 11)
 PROBLEM = mechanical_problem("oscillator", mb.MechanicalSystem([[1.0]], stiffness=[[4.0]]), TIMES, [1.0])
@@ -29,6 +31,13 @@ EXACT = np.cos(2 * TIMES)[None]
 def few_repeats(monkeypatch):
     """What is measured, and not how often."""
     monkeypatch.setattr(measure, "REPEATS", 2)
+
+
+def test_median_and_quartiles():
+    timing = Timing((4.0, 1.0, 2.0, 3.0, 100.0))
+    assert timing.median == 3.0 and timing.quartiles == (2.0, 4.0)
+    assert timing.to_dict() == {"median": 3.0, "lower_quartile": 2.0, "upper_quartile": 4.0, "repeats": 5}
+    assert Timing((2.0,)).quartiles == (2.0, 2.0)
 
 
 def off_by(error: float):
@@ -107,9 +116,6 @@ def test_each_method_of_the_closed_form_is_right_where_it_applies(method):
         problem = mechanical_problem("two", mb.MechanicalSystem(np.eye(2), stiffness=elements), TIMES, [1.0, 1.0])
         truth = reference_solution(problem)
     if "A(s)" in method.name:
-        from mbconstrained.analyses.study_problem import problem_of
-        from mbconstrained.scene.run.scene import read_scene
-
         problem = problem_of(read_scene("examples/transfer_function.toml"))
         truth = reference_solution(problem)
     assert method.concerns(problem)

@@ -5,8 +5,8 @@ import pytest
 
 import mbconstrained as mb
 from mbconstrained.analyses.accuracy.first_order import reduced
-from mbconstrained.analyses.study_problem import StudyProblem, mechanical_problem, problem_of
-from tests.analyses.accuracy.problems import EXAMPLES, FORCES, SYSTEMS, problem
+from mbconstrained.analyses.study_problem import StudyProblem, mechanical_problem
+from tests.analyses.accuracy.problems import FORCES, SYSTEMS, problem
 
 TIMES = np.linspace(0.0, 1.0, 11)
 
@@ -18,18 +18,6 @@ def test_what_the_force_does_at_once_is_not_a_state():
     assert found.count == 1
     np.testing.assert_array_equal(found.through(TIMES), [0 * TIMES, 3 * TIMES])
     np.testing.assert_array_equal(found.C @ found.start, [2.0, 0.0])
-
-
-@pytest.mark.parametrize("scene", [scene for scene in EXAMPLES if scene != "stiff_stack.toml"])
-def test_S_has_the_finite_zeros_and_no_others(scene):
-    """Compared by the traces of powers, which multiple zeros do not blur."""
-    found = problem_of(mb.read_scene(f"examples/{scene}"))
-    equations, J = reduced(found), found.polynomial_matrix.jordan_pairs().finite.J
-    assert len(equations.S) == len(J)
-    size = max(1.0, np.abs(np.linalg.eigvals(J)).max())
-    for power in range(1, len(J) + 1):
-        one, two = (np.trace(np.linalg.matrix_power(matrix / size, power)) for matrix in (equations.S, J))
-        assert one == pytest.approx(two, abs=1e-10)
 
 
 @pytest.mark.parametrize("force", FORCES)

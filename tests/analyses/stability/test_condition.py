@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
-from fractions import Fraction
 
 import mpmath
 import numpy as np
@@ -12,8 +10,8 @@ import pytest
 
 import mbconstrained as mb
 from mbconstrained.analyses.stability import point as module
-from mbconstrained.analyses.stability.gallery import GALLERY, system
-from mbconstrained.analyses.stability.point import STEP, condition_of, values_of
+from mbconstrained.analyses.stability.gallery import system
+from mbconstrained.analyses.stability.point import condition_of
 from mbconstrained.analyses.stability.problems import bodies, equations, moving
 from mbconstrained.analyses.study_problem import StudyProblem, mechanical_problem
 
@@ -31,12 +29,12 @@ def all_up(monkeypatch):
 # --- formulas
 
 
-@pytest.mark.parametrize("rate", [1e-3, 1.0, 50.0])
-def test_scalar_decay(rate):
-    """x = e^(-(k/c) t) x0: of k, c and x0 at most 1 + 2 k t / c; a few draws of half moves find at least a quarter of it."""
-    problem = equations([[[rate]], [[1.0]]], [[3.0]], [2.0])
-    largest = 1 + 2 * rate * 2.0
-    assert largest / 4 <= condition(problem) <= largest * (1 + 1e-9)
+@pytest.mark.parametrize(("rate", "time"), [(1e-3, 2.0), (1.0, 2.0), (50.0, 2.0), (-3.0, 100.0)])
+def test_scalar_decay_and_growth(rate, time):
+    """x = e^(-(k/c) t) x0: of k, c and x0 at most 1 + 2 |k| t / c; a few draws of half moves find at least a quarter of it."""
+    problem = equations([[[rate]], [[1.0]]], [[3.0]], [time])
+    largest = 1 + 2 * abs(rate) * time
+    assert largest / 6 <= condition(problem) <= largest * (1 + 1e-9)
 
 
 @pytest.mark.parametrize("turns", [1.0, 1e3, 1e6])
@@ -46,11 +44,6 @@ def test_phase_of_an_oscillator(turns):
     problem = equations([[[1.0]], [[0.0]], [[1.0]]], [[1.0], [0.0]], times)
     largest = times.max() + 2
     assert largest / 8 <= condition(problem) <= largest
-
-
-def test_growth_is_moved_in_its_exponent():
-    """x = e^(a t): 1 + 2 a t again, not the size of x."""
-    assert 100 <= condition(equations([[[-3.0]], [[1.0]]], [[1.0]], [100.0])) <= 601 * (1 + 1e-9)
 
 
 def test_all_data_moved_alike_leave_only_start_and_force(all_up):
@@ -116,14 +109,6 @@ def test_elements_are_data_where_there_are_elements():
     plain = mb.MechanicalSystem(by_elements.mass, by_elements.damping, by_elements.stiffness)
     found = [condition(moving(one, [1.0, 5.0], ([1.0, 1.0], [0.0, 0.0]))) for one in (by_elements, plain)]
     assert found[0] < 100 and found[1] > 1e8
-
-
-def test_symmetric_pairs_are_moved_together():
-    random = np.random.default_rng(3)
-    direction = module._direction(np.array([[2.0, -1.0], [-1.0, 3.0]]), random)
-    assert direction[0, 1] == direction[1, 0] != 0
-    others = [module._direction(np.array([[2.0, -1.0], [1.0, 3.0]]), random) for _ in range(20)]
-    assert any(one[0, 1] != -one[1, 0] for one in others)
 
 
 def test_zeros_stay_and_constraint_rows_move_with_their_forces():
@@ -197,23 +182,3 @@ def test_it_is_reproducible_and_knows_no_units():
     found = [condition(problem) for problem in problems]
     assert found[0] == condition(problems[0])
     assert found == pytest.approx([found[0]] * 3, rel=1e-12)
-
-
-def test_it_is_of_first_order():
-    """A step ten million times larger sees the same, to what the second order of that step is."""
-    problem = GALLERY[0].build(1e6)
-    one = condition(problem)
-    original = module.STEP
-    try:
-        module.STEP = STEP * 2**24
-        other = condition(problem)
-    finally:
-        module.STEP = original
-    assert other == pytest.approx(one, rel=1e-10)
-
-
-def test_values_are_the_middles():
-    box = equations([[[1.0]], [[1.0]]], [[1.0]], [0.0, 1.0]).solve().enclose([0.0, 1.0], 20)
-    values = values_of(replace(box, notices=()))
-    assert values[0, 0] == 1 and isinstance(values[0, 1], Fraction)
-    assert abs(float(values[0, 1]) - math.exp(-1)) < 1e-16

@@ -51,17 +51,6 @@ def judged(name):
 
 
 @everywhere
-def test_the_data_are_the_same_floats(name):
-    problem, known = problem_of(name), case(name)
-    assert np.array_equal(problem.polynomial_matrix.coefficients, known.coefficients)
-    assert np.array_equal(problem.initial, known.initial)
-    assert np.array_equal(problem.times, known.times)
-    for order in range(3):
-        assert np.array_equal(problem.force.derivative(order)(known.times), known.force.derivative(order)(known.times))
-    assert not problem.force.impulses and not problem.force.later
-
-
-@everywhere
 def test_exact_arithmetic_has_the_thirty_digits_of_the_case(name):
     known = case(name)
     problem = problem_of(name)

@@ -157,9 +157,6 @@ def test_data_that_were_rounded_out_of_their_structure_have_no_truth_here(name):
     assert point.verdict == "not judged" and point.right is None and "finite zeros" in point.unknown
 
 
-# --- degenerate
-
-
 # --- as data
 
 

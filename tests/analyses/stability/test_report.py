@@ -1,29 +1,44 @@
-"""What a report says is what its points are."""
+"""What a report says is what its points are, in its pictures too: what is wrong is marked, what was claimed can be compared with what is right."""
 
 import json
+import math
 
+import numpy as np
 import pytest
 
 import mbconstrained as mb
 from mbconstrained.analyses.stability.gallery import GALLERY, system
 from mbconstrained.analyses.stability.point import Point, points_of
-from mbconstrained.analyses.stability.scaling_factors import ScalingSweep
 from mbconstrained.analyses.stability.stability import (
+    ScalingSweep,
     StabilityReport,
+    digit_plots,
     digit_table,
     gallery_report,
     gallery_table,
+    overview_plot,
     reason_tables,
     scene_report,
 )
 from mbconstrained.analyses.study_problem import mechanical_problem
 from mbconstrained.ground.errors import InputError
+from mbconstrained.ground.tolerances import EPS
+from mbconstrained.page.plots import plot_image
 from mbconstrained.scene.run.scene import read_scene
-from tests.analyses.stability.points import point, sweep
 
 
-def spring(*points: Point, name="spring", theme="stiffness", broken=()) -> ScalingSweep:
-    return sweep(f"The {name}", *points, parameter="stiffness in N/m", name=name, theme=theme, broken=broken)
+def point(parameter, right=15.0, expected=15.5, claimed=14.0, **more) -> Point:
+    """A point whose errors give these digits."""
+    error, condition, estimate = (None if digits is None else 10.0**-digits for digits in (right, expected, claimed))
+    return Point(parameter, error, estimate, condition and condition / EPS, **more)
+
+
+def sweep(title: str, *points: Point, name: str = "", parameter: str = "stiffness ratio") -> ScalingSweep:
+    return ScalingSweep(name or title, title, "stiffness", "it is stiff", "made for this gallery", parameter, points)
+
+
+def spring(*points: Point) -> ScalingSweep:
+    return sweep("The spring", *points, name="spring", parameter="stiffness in N/m")
 
 
 def report(*sweeps: ScalingSweep, of_scene=False) -> StabilityReport:
@@ -45,11 +60,6 @@ WRONG = report(
 def test_what_is_wrong_without_a_warning_is_not_trusted_and_nothing_else_is():
     assert CALM.is_trusted and not WRONG.is_trusted
     assert report(spring(WRONG.sweeps[0].points[2], WRONG.sweeps[0].points[3])).is_trusted
-
-
-def test_a_broken_promise_is_told():
-    found = report(spring(point(1.0), broken=("spring at 1: undamped is False, declared True",)))
-    assert found.sentences[-1] == "Not as declared: spring at 1: undamped is False, declared True."
 
 
 def test_fewer_digits_than_the_data_allow_are_told():
@@ -122,3 +132,57 @@ def test_a_scene_is_turned_by_all_that_it_has():
     answer = found.answer("title")
     together, *plots = answer.plots()
     assert [curve.name for curve in together.curves] == [plot.title for plot in plots] and plots[-1].title == "horizon"
+
+
+# --- pictures
+
+FACTORS = 10.0 ** np.arange(-8, 9, 2)
+STEADY = sweep("calm", *map(point, FACTORS))
+MIXED = sweep(
+    "mixed",
+    point(1e-2, 12.0, 13.0, 11.0),
+    point(1e0, 8.0, 9.0, 8.5),
+    point(1e2, 5.0, 8.0, 4.0, warnings=("a warning",)),
+    point(1e4, 1.0, 8.0, 7.0),
+    Point(1e6, refused="no"),
+    Point(1e8, estimate=1.0, unknown="not known"),
+)
+
+
+def test_the_three_curves_have_the_digits():
+    (plot,) = digit_plots([STEADY])
+    assert {curve.name: curve.values.tolist() for curve in plot.curves} == {
+        f"digits {key}": pytest.approx([digits] * len(FACTORS))
+        for key, digits in (("right", 15.0), ("claimed", 14.0), ("expected", 15.5))
+    }
+    assert plot.times.tolist() == FACTORS.tolist() and plot.scales == ("log", "linear") and not plot.marks
+    assert plot.axes[1].low <= 0 and plot.axes[1].high >= 16
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(
+    "points",
+    [
+        (point(1.0),),
+        (point(3.7e5),),
+        (Point(1.0, refused="no"),),
+        (point(0.0), point(1.0)),
+        (point(-1.0), point(1.0)),
+        (Point(1.0, 1e-99, math.nan), Point(10.0, math.inf, 0.0, math.inf)),
+        tuple(point(10.0**power) for power in range(-300, 300, 50)),
+    ],
+)
+def test_odd_sweeps_are_drawn(points):
+    for plot in digit_plots([sweep("odd", *points)]):
+        assert plot_image(plot, "png")[1:4] == b"PNG"
+
+
+def test_all_sweeps_together_have_their_digits_and_marks():
+    (plot,) = overview_plot([STEADY, MIXED])
+    factors = sorted({point.parameter for sweep in (STEADY, MIXED) for point in sweep.points})
+    assert plot.times.tolist() == factors and plot.shown == 2
+    for curve, one in zip(plot.curves, (STEADY, MIXED)):
+        right = {point.parameter: point.right for point in one.points if point.right is not None}
+        assert curve.name == one.title
+        assert dict(zip(plot.times[curve.drawn], curve.values[curve.drawn])) == pytest.approx(right)
+    assert {marks.curve for marks in plot.marks} == {1} and len(plot.marks) == 4

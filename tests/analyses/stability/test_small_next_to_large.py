@@ -46,8 +46,8 @@ def test_the_answer_is_as_right_as_it_claims_or_carries_a_warning(name, value):
 
 @pytest.mark.long
 def test_a_dense_damped_model_by_powers_is_as_right_as_its_estimate():
-    """120 coordinates at 2000 even times; the estimate describes these values, and leaves them as they are."""
-    random, n = np.random.default_rng(0), 120
+    """60 coordinates at 2000 even times; the estimate describes these values, and leaves them as they are."""
+    random, n = np.random.default_rng(0), 60
     damping, stiffness = (factor @ factor.T / n for factor in random.standard_normal((2, n, n)))
     damping, stiffness = 0.05 * damping, stiffness + np.eye(n)
     start = np.array([random.standard_normal(n), np.zeros(n)])

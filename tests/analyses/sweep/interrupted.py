@@ -45,19 +45,10 @@ end = "2 s"
 points = 101
 """
 
-#: So that a study takes some seconds, and every chunk some tenths of one.
-ARGUMENTS = (
-    "--vary",
-    "k=normal(100 N/m, 5 %)",
-    "--vary",
-    "m=0.5..2 kg:4",
-    "--samples",
-    "60",
-    "--keep",
-    "frequencies",
-    "--keep",
-    "peak b",
-)
+#: Chunks of eight samples, each of which takes some tenths of a second.
+VARIED = ("--vary", "k=normal(100 N/m, 5 %)", "--vary", "m=0.5..2 kg:4", "--samples", "24")
+ARGUMENTS = (*VARIED, "--keep", "frequencies", "--keep", "peak b")
+CHUNKS = 12
 
 
 def scene_file(folder: Path, text: str = SCENE) -> Path:
@@ -67,19 +58,9 @@ def scene_file(folder: Path, text: str = SCENE) -> Path:
 
 
 def started(scene: Path, store: Path, *arguments: str) -> subprocess.Popen:
-    command = [
-        sys.executable,
-        "-m",
-        "mbconstrained",
-        "sweep",
-        str(scene),
-        *ARGUMENTS,
-        "--store",
-        str(store),
-        "--out",
-        str(scene.parent / "out"),
-    ]
-    return subprocess.Popen([*command, *arguments], env=ENVIRONMENT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    files = ("--store", str(store), "--out", str(scene.parent / "out"))
+    command = [sys.executable, "-m", "mbconstrained", "sweep", str(scene), *ARGUMENTS, *files, *arguments]
+    return subprocess.Popen(command, env=ENVIRONMENT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
 
 
 def completed(scene: Path, store: Path, *arguments: str) -> str:

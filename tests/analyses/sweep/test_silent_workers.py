@@ -83,50 +83,30 @@ def test_the_process_of_an_endless_sample_ends_with_the_run(tmp_path):
 
 
 @pytest.mark.long
-def test_a_stopped_dask_worker_is_named_and_its_chunk_is_done_by_the_other(study, tmp_path, monkeypatch):
+def test_a_stopped_dask_worker_is_named_and_its_chunk_is_done_by_the_other_and_other_code_is_refused(study, tmp_path, monkeypatch):
+    """It is stopped during a run, whose other worker may be done before anybody misses it, and before another run."""
     pytest.importorskip("distributed")
     study.run(store=tmp_path / "expected.zarr")
     monkeypatch.setattr(execution, "SILENCE", 4.0)
-    messages = []
+    said, messages = "has not answered for 4 s; others compute its chunk", {"during": [], "before": []}
     with cluster(tmp_path) as workers:
-        stopped = workers.workers[0]
+        stopped = workers.workers[0].pid
 
-        def progress(done, count):
-            if done == 1:
-                os.kill(stopped.pid, signal.SIGSTOP)
+        def run(name, progress=None):
+            try:
+                study.run(store=tmp_path / name, dask=workers.address, progress=progress, message=messages[name].append)
+            finally:
+                os.kill(stopped, signal.SIGCONT)
+            assert bytes_of(tmp_path / name) == bytes_of(tmp_path / "expected.zarr")
 
-        try:
-            study.run(store=tmp_path / "k.zarr", dask=workers.address, progress=progress, message=messages.append)
-        finally:
-            os.kill(stopped.pid, signal.SIGCONT)
-    assert bytes_of(tmp_path / "k.zarr") == bytes_of(tmp_path / "expected.zarr")
-    assert messages == [] or "has not answered for 4 s; others compute its chunk" in messages[0]
-
-
-@pytest.mark.long
-def test_a_dask_worker_that_is_stopped_before_the_run_is_left_out(study, tmp_path, monkeypatch):
-    pytest.importorskip("distributed")
-    monkeypatch.setattr(execution, "SILENCE", 4.0)
-    messages = []
-    study.run(store=tmp_path / "expected.zarr")
-    with cluster(tmp_path) as workers:
-        study.run(dask=workers.address)  # both are there
-        os.kill(workers.workers[0].pid, signal.SIGSTOP)
-        try:
-            study.run(store=tmp_path / "k.zarr", dask=workers.address, message=messages.append)
-        finally:
-            os.kill(workers.workers[0].pid, signal.SIGCONT)
-    assert bytes_of(tmp_path / "k.zarr") == bytes_of(tmp_path / "expected.zarr")
-    assert len(messages) == 1 and "has not answered for 4 s; others compute its chunk" in messages[0]
-
-
-@pytest.mark.long
-def test_dask_workers_with_other_code_are_refused(study, tmp_path, monkeypatch):
-    pytest.importorskip("distributed")
-    with cluster(tmp_path) as workers:
+        run("during", lambda done, count: os.kill(stopped, signal.SIGSTOP) if done == 1 else None)
+        study.run(dask=workers.address)  # both are there again
+        os.kill(stopped, signal.SIGSTOP)
+        run("before")
         monkeypatch.setattr(execution, "CODE", "0" * 64)
         with pytest.raises(mb.InputError, match="has other code of the package mbconstrained, perhaps under the same version"):
             study.run(dask=workers.address)
+    assert said in messages["before"][0] and (not messages["during"] or said in messages["during"][0])
 
 
 def test_a_chunk_of_other_code_is_refused_by_the_worker_itself():

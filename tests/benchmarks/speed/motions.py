@@ -11,11 +11,24 @@ import scipy.linalg
 import scipy.signal
 
 import mbconstrained as mb
-from tests.benchmarks.speed.examples import example_equations, example_system
-from tests.benchmarks.speed.models import Chain, chain, even_times, forty_periods
-from tests.benchmarks.speed.reductions import Equations, reduced_chain, with_oscillator
+from tests.benchmarks.speed.models import (
+    PAIRS,
+    SLOWEST,
+    STARTS,
+    Chain,
+    Equations,
+    chain,
+    even_times,
+    example_equations,
+    example_system,
+    forty_periods,
+    reduced_chain,
+    stack_equations,
+    stack_model,
+    stack_start,
+    with_oscillator,
+)
 from tests.benchmarks.speed.references import by_balls, by_taylor, record_by_taylor
-from tests.benchmarks.speed.stacks import PAIRS, SLOWEST, stack_equations, stack_model, stack_start
 
 Evaluate = Callable[[np.ndarray], np.ndarray]
 
@@ -94,8 +107,6 @@ def chain_system(given: Chain) -> mb.MechanicalSystem:
 
 def example(name: str) -> Problem:
     """Examples 5.1 and 5.2 of Moysis et al."""
-    from tests.benchmarks.speed.examples import STARTS
-
     times, exact = even_times(50.0), example_equations(name)
     return Problem(
         lambda: example_system(name).solve(STARTS[name]),

@@ -191,6 +191,63 @@ def shock_spectrum() -> tuple[Work, None]:
     return lambda: mb.shock_response_spectrum(record, f, 0.05), None
 
 
+def discrete(states: int, samples: int) -> tuple[Work, Work]:
+    """A stable system in discrete time under given samples, and scipy.signal.dlsim."""
+    A, B, C, u = discrete_matrices(states, samples)
+    A *= 0.95 / np.abs(np.linalg.eigvals(A)).max()
+    system, reference = mb.DiscreteStateSpace(A, B, C), scipy.signal.StateSpace(A, B, C, np.zeros((1, 1)), dt=1.0)
+    return lambda: system.solve(input=u).output(np.arange(samples)), lambda: scipy.signal.dlsim(reference, u)
+
+
+def discretized(states: int, hold: int) -> tuple[Work, Work]:
+    """Discretization with a hold of order 0 or 1, and scipy.signal.cont2discrete."""
+    *matrices, _ = discrete_matrices(states, 1)
+    system, method = (*matrices, np.zeros((1, 1))), ("zoh", "foh")[hold]
+    return lambda: mb.StateSpace(*matrices).discretize(0.1, hold), lambda: scipy.signal.cont2discrete(system, 0.1, method)
+
+
+def discrete_matrices(states: int, samples: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """A, B, C and samples of one input."""
+    random = np.random.default_rng(0)
+    return tuple(random.standard_normal(shape) for shape in ((states, states), (states, 1), (1, states), (samples, 1)))
+
+
+def exact_structure(chains: bool) -> tuple[Work, Work]:
+    """Of a matrix of 40 rows and degree 4, over the rationals and in float64; each time without what an earlier answer has left in it."""
+    fresh = partial(mb.PolynomialMatrix, np.random.default_rng(0).standard_normal((5, 40, 40)))
+    if chains:
+        return lambda: mb.exact.jordan_pairs(fresh()).finite.C, lambda: fresh().jordan_pairs().finite.J
+    return lambda: mb.exact.structure(fresh()), lambda: fresh().structure()
+
+
+def exact_referee(digits: int) -> tuple[Work, Work]:
+    """The problems of the referee enclosed to so many digits, and by their numeric solutions."""
+    from mbconstrained.exact.enclosure.exact_response import exact_response
+    from tests.oracles.referee import NAMES, case
+
+    problems = [case(name) for name in NAMES if not name.startswith("rot_")]
+    given = lambda: ((one, mb.PolynomialMatrix(one.coefficients)) for one in problems)  # noqa: E731
+    return (
+        lambda: [exact_response(A, one.initial, one.force).enclose(one.times, digits) for one, A in given()],
+        lambda: [mb.solve(A, one.initial, one.force)(one.times) for one, A in given()],
+    )
+
+
+def symbolic_example() -> tuple[Work, None]:
+    """Example 5.2 of Moysis et al. with symbols: Smith form, both Jordan pairs, response."""
+    import sympy
+
+    m, k1, k2, c1, c2 = sympy.symbols("m k1 k2 c1 c2", positive=True)
+    K, C = [[k1 + k2, 0, -k2], [0, 0, 0], [-k2, 0, k2]], [[0, 0, 0], [0, c1 + c2, -c2], [0, -c2, c2]]
+
+    def ours():
+        A = mb.SymbolicPolynomialMatrix([K, C, sympy.diag(0, 0, m)])
+        pairs, x = A.jordan_pairs(), mb.solve_symbolically(A, [[sympy.Rational(2, 3), 1, 2], [0] * 3])
+        return A.smith_form(), pairs.finite.B, pairs.infinite.J, pairs.jump_projector, x.expression, x.continuity_conditions
+
+    return ours, None
+
+
 def campbell() -> tuple[Work, Work]:
     """A Campbell diagram of 42 coordinates at 101 speeds, and numpy.linalg.eigvals at each speed."""
     discs, random, speeds = 21, np.random.default_rng(0), np.linspace(0.0, 3.0, 101)
@@ -346,6 +403,13 @@ QUESTIONS = (
         parts=200,
     ),
     Question("sweep, a posture of an arm", partial(sweep, "arm_workspace", 1), seconds=0.04, parts=121),
+    Question("samples of discrete time: 40 states, 1000", partial(discrete, 40, 1000), "dlsim"),
+    Question("samples of discrete time: 4 states, 100,000", partial(discrete, 4, 100_000), "dlsim"),
+    *(Question(f"discretization, 40 states, hold {hold}", partial(discretized, 40, hold), "cont2discrete") for hold in (0, 1)),
+    Question("exact structure, 40 rows of degree 4", partial(exact_structure, False), "float64"),
+    Question("exact chains, 40 rows of degree 4", partial(exact_structure, True), "float64"),
+    *(Question(f"referee problems to {digits} digits", partial(exact_referee, digits), "float64") for digits in (15, 100)),
+    Question("example 5.2 with symbols", symbolic_example),
     Question("import of MechanicalSystem", process("-c", "from mbconstrained import MechanicalSystem"), seconds=0.4),
     Question("mbconstrained --version", process("-m", "mbconstrained", "--version"), seconds=0.15),
     Question("mbconstrained check", process("-m", "mbconstrained", "check", "examples/two_masses.toml"), seconds=0.6),

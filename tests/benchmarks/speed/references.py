@@ -11,7 +11,7 @@ import math
 import numpy as np
 import scipy.sparse
 
-from tests.benchmarks.speed.reductions import Equations
+from tests.benchmarks.speed.models import Equations
 
 #: Bits of the balls, and how often e^{S dt / 2^k} is squared at least: where S dt is 1e14, some 800 bits are lost on the way.
 BALL_BITS, SQUARINGS = 1500, 8
