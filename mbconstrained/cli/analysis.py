@@ -340,8 +340,6 @@ Folder = Annotated[str, typer.Option("--out", metavar="DIR", help="Folder to wri
 
 
 def comparison(analysis):
-    """The function that typer makes a command of."""
-
     def run(scenes: Scenes, out: Folder = "", settings: Values = None, data_folder: DataFolders = None, json: Json = False) -> None:
         def work() -> int:
             from .printing import show

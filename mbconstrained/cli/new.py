@@ -27,7 +27,6 @@ def template_names() -> tuple[str, ...]:
 
 
 def template_text(name: str) -> str:
-    """The text of a template."""
     if name not in template_names():
         known = template_names()
         raise InputError(f"--template: there is no template {shown(name)}{nearest(name, known)}; there are {', '.join(known)}")

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
-from typing import Any, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 
@@ -173,7 +173,7 @@ class Family(Displayed):
             for column, (mode, i) in enumerate((mode, i) for mode, number in zip(modes, counts) for i in range(number)):
                 if mode.shapes.size:
                     shapes[place, :, column] = mode.shapes[:, min(i, mode.shapes.shape[1] - 1)]
-        return FamilyModes(self, values, shapes, errors, np.array(sorted(alone), dtype=int))
+        return FamilyModes(self, errors, np.array(sorted(alone), dtype=int), values, shapes)
 
     def _free_stack(self, waiting: np.ndarray) -> _Stack | None:
         """Systems with the free motions of the first of those that wait: free bodies, or one motion that dampers alone resist.
@@ -253,7 +253,7 @@ class Family(Displayed):
             H = first if not place else self[place].frequency_response(frequencies, *names, quantity, relative_to=relative_to)
             values[place] = H.values
             errors[place] = _relative(H.values, np.where(H.values == 0, 0.0, np.abs(H.values) * H.error_estimate))
-        return FamilyFrequencyResponse(self, frequencies, values, errors, *names, quantity, first.units, alone)
+        return FamilyFrequencyResponse(self, errors, alone, frequencies, values, *names, quantity, first.units)
 
     def random_response(self, excitation: Mapping, outputs=None, quantity: str = "displacement", **options) -> FamilyRandomResponse:
         """The RMS values of all systems under the same random excitation.
@@ -286,7 +286,7 @@ class Family(Displayed):
         for place in alone.tolist():
             own = first if not place else self[place].random_response(*arguments, **options)
             rms[place], relative[place] = own.rms, own.error_estimate
-        return FamilyRandomResponse(self, rms, relative, first.outputs, first.units, alone, (arguments, options))
+        return FamilyRandomResponse(self, relative, alone, rms, first.outputs, first.units, (arguments, options))
 
 
 def stacked_transfers(systems: Family, harmonic: Harmonic, levels) -> Iterator[tuple[slice, StackedTransfer]]:
@@ -305,15 +305,17 @@ def stacked_transfers(systems: Family, harmonic: Harmonic, levels) -> Iterator[t
 # The modes of a family of systems: eigenvalues and shapes from the stacked poles, of some systems one by one.
 
 
+@dataclass(frozen=True, repr=False, eq=False)
 class FamilyAnswer(Displayed):
     """Answers of S systems, with relative error estimates and the places of those that were solved one by one."""
 
     family: Family
     error_estimate: np.ndarray
     alone: np.ndarray
-    what: str
-    values_of: str
-    limit = PROVED_ACCURACY
+
+    what: ClassVar[Any]
+    values_of: ClassVar[str]
+    limit: ClassVar[float] = PROVED_ACCURACY
 
     def __len__(self) -> int:
         return len(self.family)
@@ -349,11 +351,8 @@ class FamilyModes(FamilyAnswer):
         alone: places of the systems that were solved one by one.
     """
 
-    family: Family
     eigenvalues: np.ndarray
     shapes: np.ndarray
-    error_estimate: np.ndarray
-    alone: np.ndarray
 
     what, values_of = "modes", "the eigenvalues"
 
@@ -648,15 +647,12 @@ class FamilyFrequencyResponse(FamilyAnswer):
         alone: places of the systems that were solved one by one.
     """
 
-    family: Family
     frequencies_hz: np.ndarray
     values: np.ndarray
-    error_estimate: np.ndarray
     inputs: tuple[str, ...]
     outputs: tuple[str, ...]
     quantity: str
     units: np.ndarray
-    alone: np.ndarray
 
     what, values_of, limit = property(lambda self: self.quantity), "the responses", LINE_ACCURACY
     _errors = property(lambda self: np.where(np.isfinite(self.error_estimate), self.error_estimate, 0.0))
@@ -697,12 +693,9 @@ class FamilyRandomResponse(FamilyAnswer):
         excitation: the arguments of ``MechanicalSystem.random_response``.
     """
 
-    family: Family
     rms: np.ndarray
-    error_estimate: np.ndarray
     outputs: tuple[str, ...]
     units: tuple[str, ...]
-    alone: np.ndarray
     excitation: tuple
 
     what, values_of, limit = "RMS values", "RMS values", STACKED_VARIANCE

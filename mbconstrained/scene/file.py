@@ -232,7 +232,6 @@ def _content(path: Path) -> bytes:
 
 
 def parse(text: str, name: str) -> dict:
-    """The tables of a TOML text."""
     if _DOTTED.search(text):
         raise SceneError(f"{name}: a name of more than {DEEPEST_NAME} parts joined by dots; a scene nests far less")
     try:
@@ -344,7 +343,6 @@ def read_tables(path: Path) -> tuple[dict, SceneName]:
 
 
 def robot_path(name: str, folder: Path) -> Path:
-    """The robot.toml that a scene names."""
     if not name or not name.isprintable() or Path(name).is_absolute():
         raise InputError(f'found {shown(name)}; expected a folder relative to the scene, e.g. "../robots/four_bar"')
     path = folder / name
@@ -492,7 +490,6 @@ def _is_array_of_tables(value: Any) -> bool:
 
 
 def _check_bodies(data: dict, name: SceneName) -> None:
-    """Raise an InputError for a body defined in two files."""
     places: dict[tuple[str, str], tuple[str, Place]] = {}
     for table, key in BODIES:
         for number, entry in enumerate(_list(_entry(data.get(table), key)), 1):

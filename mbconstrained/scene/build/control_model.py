@@ -256,7 +256,6 @@ MATRICES = ("A", "B", "C", "D", "descriptor")
 
 
 def transfer_function(table, folder: SceneFolder, file_name: str) -> ControlEquations:
-    """The equations of a scene of kind "transfer-function"."""
     model = table.model
     with at(file_name, "model"):
         fraction = rational_function(model.numerator, model.denominator)
@@ -407,7 +406,6 @@ def _form_json(form) -> dict:
 
 
 def _transfer_table(control: ControlScene) -> TextTable:
-    """Zeros and gains by input and output."""
     units = {name: unit for names in (control.inputs, control.outputs) for name, unit in zip(names.names, names.units)}
     rows = [(u, y, *_cells(control, u, y, G, _quotient(units[y], units[u]))) for u, y, G in control.transfers[:MOST_CHANNELS]]
     note = "G(s) = gain times the product of s - zeros over that of s - poles; the DC gain is G(0)."
@@ -457,7 +455,6 @@ def _quotient(above: str, below: str) -> str:
 
 
 def _form_table(form: NormalForm) -> TextTable:
-    """Relation of the states to displacements and velocities."""
     choice = "there is no other" if form.is_unique else f"one of a family of {form.freedom} dimensions, of small condition"
     rows = [("transformation", f"{2 * form.size} states to {counted(form.size, 'displacement')} and as many velocities; {choice}")]
     if form.infinite is not None:

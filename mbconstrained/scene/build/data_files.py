@@ -351,7 +351,6 @@ def entries_of(source, folder: SceneFolder) -> np.ndarray:
 
 
 def record_of(source, unit: str | None, folder: SceneFolder) -> Record:
-    """A record in a file."""
     given = {key: getattr(source, key) for key in (*source.OF_FILE, "speed") if getattr(source, key) is not None}
     given["offset"] = force_value(source.offset, unit, what="offset")
     return record_in_si(folder.data_file(source.file), expected=unit, **given)

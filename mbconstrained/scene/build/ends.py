@@ -73,7 +73,6 @@ def _left(shaper: InputShaper, factor: float) -> float:
 
 
 def shaped(motions: Sequence, of_motions: Shapers, forces: Sequence, of_forces: Shapers) -> tuple[End, ...]:
-    """The end of shaped motions and forces."""
     own = {", ".join(motions[number - 1].rows): shaper for number, shaper in of_motions.items()}
     own |= {f"force on {forces[number - 1].title}": shaper for number, shaper in of_forces.items()}
     return (ShapedEnd(own),) if own else ()
@@ -241,7 +240,6 @@ def _with_least_energy(table, equations: Equations, file_name: str) -> Equations
 
 
 def _loads(u: LeastEnergyInput, system) -> Iterator[SceneForce]:
-    """The input as loads."""
     known = channels(system, "inputs")
     for row, name in enumerate(u.inputs):
         channel = known[name]

@@ -152,7 +152,6 @@ PHASE_MATRICES = ("mass", "damping", "stiffness")
 
 
 def _matrices_of(owner, keys: Iterable[str], folder: SceneFolder, file_name: str, where: str) -> dict[str, np.ndarray | None]:
-    """The matrices of a table, None where it has none."""
     matrices = {}
     for key in keys:
         source = getattr(owner, key)

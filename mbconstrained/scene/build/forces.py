@@ -48,7 +48,6 @@ def loads_of(
     robot: LinearizedRobot | None = None,
     shapers: Shapers = NONE_SHAPED,
 ) -> tuple[SceneForce, ...]:
-    """The loads of all [[force]] tables."""
     loads = []
     for number, table in enumerate(tables, 1):
         with at(file_name, f"force[{number}]"):

@@ -56,7 +56,6 @@ class UrdfNames:
     has_free_joint: bool = False  # whether the base of an MJCF or SDF file is free by itself
 
     def joint_unit(self, name: str) -> str:
-        """The unit of a joint."""
         if name not in self.units:
             raise InputError(
                 f"there is no joint {shown(name)}{nearest(name, self.units)}; the joints are {listed([*self.units], MOST_NAMES)}"
@@ -160,7 +159,6 @@ def _gear(kind: type, entry, names: UrdfNames):
 
 
 def point_motion(entry, names: UrdfNames):
-    """The motion of a point along a direction."""
     from ...robot.connections import PointMotion
 
     names.check_body(entry.body)
@@ -168,7 +166,6 @@ def point_motion(entry, names: UrdfNames):
 
 
 def _body_forces(entries, names: UrdfNames) -> dict:
-    """Forces on bodies in SI, by PointMotion."""
     forces = {}
     for number, entry in enumerate(entries, 1):
         with named(f"body_force[{number}]"):
@@ -350,7 +347,6 @@ def robot_data(path: Path, data: dict, place: str, package_dirs: Sequence[str | 
 
 
 def robot_of(data: RobotData) -> Robot:
-    """The robot of validated data."""
     from ...robot.robot import Robot
 
     values = robot_arguments(data.table, data.names, data.place)

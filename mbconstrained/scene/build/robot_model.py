@@ -210,18 +210,15 @@ ROUNDING = 1e-12
 
 
 def posture_tables(robot_scene: RobotScene) -> list[TextTable]:
-    """Joints, and forces of loops and springs at rest."""
     return [_joint_table(robot_scene), _force_table(robot_scene)]
 
 
 def robot_fact(robot_scene: RobotScene) -> tuple[str, str]:
-    """Title, source and licence of the robot."""
     data = robot_scene.data
     return "robot", "; ".join(filter(None, [data.title or data.name, data.source, data.licence and f"licence {data.licence}"]))
 
 
 def posture_json(robot_scene: RobotScene) -> dict:
-    """The robot and its posture as plain data."""
     data, posture = robot_scene.data, robot_scene.posture
     return {
         "robot": {"name": data.name, "title": data.title, "source": data.source, "licence": data.licence},
@@ -372,7 +369,6 @@ def _extremes(result: Any) -> dict:
 
 
 def _extremes_table(result: Any) -> TextTable:
-    """Table of extremes of forces for the summary and the page."""
     extremes = _extremes(result)
     rounding, rows = ROUNDING * max((one["largest"] for one in extremes.values()), default=0.0), []
     for name, one in extremes.items():

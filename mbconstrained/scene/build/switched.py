@@ -113,7 +113,6 @@ class Switching:
 
     @property
     def notice(self) -> Notice:
-        """The phase for which a linear analysis answers."""
         text = f"modes and responses are those of the phase {self.label}, as if nothing switched; linear_phase below [model] chooses another"
         return Notice(NoticeKind.OMITTED, text)
 
@@ -155,7 +154,6 @@ def known(name: str, names: Iterable[str], what: str) -> str:
 def transition_of(
     table, systems: Mapping[str, MechanicalSystem], coordinates: Coordinates, number: int, file_name: str
 ) -> Transition:
-    """A transition of a scene in SI."""
     from ...mechanics.switched.switches import Transition
 
     place = f"model.transition[{number}]"
@@ -198,7 +196,6 @@ def _unit_of(table, source: MechanicalSystem, coordinates: Coordinates) -> str:
 
 
 def phase_system(switching: Switching) -> MechanicalSystem:
-    """The equations of the phase for linear analyses."""
     return switching.machine.phase(*switching.phase)
 
 

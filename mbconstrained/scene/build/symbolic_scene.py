@@ -53,7 +53,6 @@ class ComplexNumbers:
 
 
 def scene_parameters(scene: SceneData, assembled: Callable[[SceneData, str, float], SceneData]) -> Iterator[Parameter]:
-    """The parameters on which the equations depend."""
     if scene.equations.system is None:
         raise InputError("sensitivities need mass, damping and stiffness: a model of kind lumped, matrices or robot")
     model, values = scene.table.model, scene.parameters.values
@@ -116,7 +115,6 @@ class ExactEquations:
 
 
 def exact_equations(scene: SceneData, symbols: Symbols) -> ExactEquations:
-    """The equations, exactly."""
     kind = scene.table.model.kind
     if reason := next((end for end in scene.equations.ends if end.key != "shapers"), None):
         raise InputError(f"there is no formula with symbols for a motion with {reason.title.lower()}; leave [{reason.key}] out")

@@ -150,7 +150,6 @@ def _distinct(units: Sequence[str]) -> tuple[str, ...]:
 
 
 def _check_kind(unit: str, quantity: str) -> None:
-    """Check that a unit measures a quantity."""
     kinds = QUANTITIES.get(quantity, (unit,))
     if not any(_alike(unit, kind) for kind in kinds):
         raise InputError(f'found "{_written(unit)}"; expected a unit of {quantity}, such as {" or ".join(kinds)}')
@@ -211,7 +210,6 @@ def beyond_noise(jump: np.ndarray, before: np.ndarray, after: np.ndarray) -> np.
 
 
 def initial_values(table, coordinates: Coordinates, degree: int, file_name: str) -> np.ndarray:
-    """The values at 0- of the [initial] table."""
     result = np.full((degree, len(coordinates.names)), 0.0, dtype=object)
     for order, row in enumerate(table.rows):
         key = DERIVATIVES[order] if table.derivatives is None else f"derivatives[{order + 1}]"
@@ -224,7 +222,6 @@ def initial_values(table, coordinates: Coordinates, degree: int, file_name: str)
 
 
 def state_values(given: dict | list, states: Coordinates, file_name: str) -> np.ndarray:
-    """The states at 0- of the [initial] table."""
     with at(file_name, "initial.state"):
         for name in given if isinstance(given, dict) else ():
             if name not in states.names:

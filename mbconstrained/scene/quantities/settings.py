@@ -30,7 +30,6 @@ class Setting:
 
     @property
     def notice(self) -> Notice:
-        """Notice that the value was set."""
         was = "which the file leaves out" if self.before is None else f"instead of {_plainly(self.before)} in the file"
         return Notice(NoticeKind.OVERRIDE, f"{self}, {was}")
 

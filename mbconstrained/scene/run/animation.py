@@ -54,7 +54,6 @@ MOST_NAMED = 3
 
 
 def animation_of(result: Result) -> Animation:
-    """The drawing of the model with its motion."""
     moving = _RobotPicture if result.scene.equations.robot_scene is not None else _Picture
     return moving(result).animation()
 
@@ -107,7 +106,6 @@ class _Picture:
         self.coordinates = self.equations.coordinates
 
     def animation(self) -> Animation:
-        """The drawing with the motion of the coordinates."""
         scales = {
             key: getattr(self.table, key) for key in ("scale", "turn_scale") if self.table and key in self.table.model_fields_set
         }
@@ -249,7 +247,6 @@ class _RobotPicture(_Picture):
     """
 
     def animation(self) -> Animation:
-        """The robot moves through at most ``MOST_POSES`` poses."""
         from .drawing import RobotPicture, drawing_of_robot, event_with_poses
 
         times, values, rates = frames_of(self.result, MOST_POSES)

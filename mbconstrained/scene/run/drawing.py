@@ -90,12 +90,10 @@ def _upright(scene: SceneData, drawing: Drawing) -> Vector:
 
 
 def _body_place(number: int, row: BodyTable) -> str:
-    """Location of a body in the file, for messages."""
     return f'drawing.body[{number}] (of "{row.name}")'
 
 
 def _link_place(number: int) -> str:
-    """Location of a link in the file, for messages."""
     return f"drawing.link[{number}]"
 
 
@@ -150,7 +148,6 @@ def _body(row: BodyTable) -> DrawnBody:
 
 
 def _links(scene: SceneData, bodies: Collection[str]) -> tuple[DrawnLink, ...]:
-    """The links of the scene, between bodies of these names."""
     links = []
     for number, link in enumerate(scene.table.drawing.link, 1):
         with at(scene.file_name, _link_place(number)):
@@ -172,7 +169,6 @@ def _given(entry) -> dict:
 
 
 def check_drawing(scene: SceneData) -> None:
-    """Check that [drawing] can be drawn."""
     if scene.equations.robot:
         with at(scene.file_name, "drawing"):
             return _check_robot(scene.table.drawing)
@@ -269,7 +265,6 @@ def simplified(vertices: np.ndarray, faces: np.ndarray, most: int = MOST_TRIANGL
 
 
 def solids_of(visuals: Iterable[Any], *, full: bool = True) -> dict[str, list[Solid]]:
-    """The solids of links, by name."""
     solids: dict[str, list[Solid]] = {}
     shared: dict[int, Solid] = {}  # by the identity of the faces, which links may share
     for visual in visuals:
@@ -378,7 +373,6 @@ def event_with_poses(event: DrawnEvent, picture: RobotPicture, scale: float) -> 
 
 
 def drawing_of_robot(picture: RobotPicture, values: np.ndarray, table=None) -> Drawing:
-    """A drawing of the robot with the paths of its links."""
     if table and "scale" in table.model_fields_set:
         scale = table.scale
     else:  # at least 1, so that the point of largest displacement visibly moves
@@ -433,11 +427,9 @@ class RobotPicture:
         return bones_of(robot.model, robot.link_frames, robot.connection_points(self.scene.posture))
 
     def poses(self, values: np.ndarray, scale: float = 1.0) -> dict[str, Poses]:
-        """The poses of all links."""
         return self.scene.robot.poses(self.scene.posture, values, scale)
 
     def drawing(self, poses: dict[str, Poses], scale: float = 1.0, note: str = "") -> Drawing:
-        """The robot along its paths."""
         points = self.scene.robot.connection_points(self.scene.posture)
         fixed = self.scene.data.table.base == "fixed"
         note = "\n".join(filter(None, (note, self.note)))

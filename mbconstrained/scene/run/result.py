@@ -106,7 +106,6 @@ def impulses_of(impulses: Sequence, coordinates: Coordinates) -> list[ReportedIm
 
 
 def forces_of_rows(rows: Sequence[ConstraintRow], name: str = "force of {}", shown: OutputUnits = OutputUnits()) -> Coordinates:
-    """Names and units of the constraint forces."""
     return Coordinates(tuple(name.format(row.name) for row in rows), tuple(force_unit(row.unit) for row in rows), shown)
 
 
@@ -733,7 +732,6 @@ def _forces(equations: Equations) -> KindOfCurves:
 
 
 def in_units(curves: Curves, units: OutputUnits) -> Curves:
-    """Curves in the units of page and CSV."""
     if units == OutputUnits():
         return curves
     own, factors = zip(*map(units.of, curves.units, curves.names))

@@ -32,7 +32,6 @@ MOST_FORMULA_STATES = 60
 
 
 def units(scene: SceneData) -> Decision:
-    """Texts with units such as "3 N/mm"."""
     texts = scene.unit_texts + scene.equations.unit_texts
     if texts:
         return True, f"{counted(texts, 'quantity', 'quantities')} with a unit"
@@ -49,13 +48,11 @@ def normal_form(scene: SceneData) -> Decision:
 
 
 def robot_model(scene: SceneData) -> Decision:
-    """The file of the robot."""
     robot = scene.equations.robot_scene
     return True, f"{robot.data.place}: {counted(len(robot.robot.bodies), 'link')}, {counted(len(robot.robot.joints), 'joint')}"
 
 
 def equilibrium(scene: SceneData) -> Decision:
-    """Equilibrium of the robot."""
     load = scene.equations.posture.balance.load
     rows_by_kind = [
         counted(len(rows), one, many)
@@ -69,7 +66,6 @@ def equilibrium(scene: SceneData) -> Decision:
 
 
 def constrained_form(scene: SceneData) -> Decision:
-    """The equations of motion without constraint forces."""
     system = scene.equations.system
     if system is None or not system.rows:
         return False, "no constraint rows"
@@ -133,7 +129,6 @@ def response(scene: SceneData) -> LateDecision:
 
 
 def modes(scene: SceneData) -> Decision:
-    """The mechanical meaning of the eigenvalues, for mechanical systems."""
     if scene.equations.system is None:
         listed = {"zero": "zeros of A(s)"}.get(scene.equations.root_name, "poles")
         return False, f"no mechanical system: the {listed} are listed without a meaning"
@@ -157,7 +152,6 @@ def transfer_functions(scene: SceneData) -> Decision:
 
 
 def plotted(scene: SceneData, kind: str) -> Decision:
-    """Curves for display only."""
     requested = kind in scene.table.output.plots
     return requested, f"{kind} is{'' if requested else ' not'} among the plots"
 
@@ -172,7 +166,6 @@ def velocities(scene: SceneData) -> Decision:
 
 
 def reactions(scene: SceneData) -> Decision:
-    """The forces of the constraint rows over time."""
     output = scene.table.output
     if not scene.equations.has_reactions:
         return False, "no constraint rows"
@@ -189,13 +182,11 @@ def connection_forces(scene: SceneData) -> Decision:
 
 
 def element_quantities(scene: SceneData) -> Decision:
-    """Forces, elongations and relative motions."""
     named = scene.table.output.quantity
     return bool(named), counted(len(named), "entry", "entries") + " of [[output.quantity]]" if named else "no [[output.quantity]]"
 
 
 def certificate(scene: SceneData) -> Decision:
-    """Digits that exact arithmetic proves."""
     certify = scene.table.output.certify
     if not certify:
         return False, "not requested (--certify, or certify = true in [output])"
@@ -205,7 +196,6 @@ def certificate(scene: SceneData) -> Decision:
 
 
 def symbols(scene: SceneData) -> Decision:
-    """A formula for the page."""
     output, count = scene.table.output, len(scene.parameters.values)
     if not output.formula:
         return False, "no formula is requested"
@@ -217,7 +207,6 @@ def symbols(scene: SceneData) -> Decision:
 
 
 def animation(scene: SceneData) -> Decision:
-    """Animated drawing."""
     output, pictured = scene.table.output, still(scene)[0]
     if not (output.page or pictured):
         return False, "no page"
@@ -244,7 +233,6 @@ def _has_places(scene: SceneData) -> bool:
 
 
 def still(scene: SceneData) -> Decision:
-    """Still picture of the model, for which a browser is needed."""
     time = scene.table.output.still
     if time is None:
         return False, "not requested (--still TIME, or still = TIME in [output])"
@@ -256,19 +244,16 @@ def still(scene: SceneData) -> Decision:
 
 
 def formats(scene: SceneData) -> Decision:
-    """Files for other programs."""
     requested = scene.table.output.formats
     return bool(requested), ", ".join(requested) if requested else 'not requested (formats in [output], e.g. ["mat", "uff"])'
 
 
 def plot_images(scene: SceneData) -> Decision:
-    """The plots as files."""
     requested = scene.table.output.plot_images
     return requested, f"{scene.name}.*.svg and .png" if requested else "not requested (--plots, or plot_images = true in [output])"
 
 
 def robot_meshes(scene: SceneData) -> Decision:
-    """Visual meshes of the robot."""
     meshes = scene.equations.robot_scene.data.names.meshes
     if not meshes:
         return False, "the robot is drawn from boxes, cylinders and spheres"
@@ -277,13 +262,11 @@ def robot_meshes(scene: SceneData) -> Decision:
 
 
 def collision_geometry(scene: SceneData) -> Decision:
-    """Collision geometry of the links, for the page."""
     drawn = animation(scene)[0]
     return drawn, "the page shows it on request" if drawn else "it is read only where the robot is drawn"
 
 
 def frequency(scene: SceneData) -> Decision:
-    """The frequency response."""
     table = scene.table.frequency
     if table is None:
         return False, "not requested (a table [frequency], or the command frequency)"
@@ -291,7 +274,6 @@ def frequency(scene: SceneData) -> Decision:
 
 
 def frequency_files(scene: SceneData) -> Decision:
-    """Page, CSV and npz of the frequency response."""
     output, requested = scene.table.output, scene.table.frequency is not None
     kinds = [ending for ending, wanted in (("html", output.page), ("csv", output.csv), ("npz", output.npz)) if wanted]
     if not (requested and kinds):
@@ -300,7 +282,6 @@ def frequency_files(scene: SceneData) -> Decision:
 
 
 def written(scene: SceneData, kind: str) -> Decision:
-    """A file."""
     requested = getattr(scene.table.output, kind)
     return requested, f"{scene.name}.{'html' if kind == 'page' else kind}" if requested else f"{kind} = false"
 

@@ -81,7 +81,6 @@ def _mapping(example: str, value):
 
 
 def _type_of(name: str, entry: Entry) -> Any:
-    """The type of a key of a table."""
     about = entry.about
     if isinstance(about, Joins) or name == "name":
         return Name
@@ -164,5 +163,4 @@ def lumped_table() -> Any:
 
 @cache
 def constraint_table() -> Any:
-    """The table of a constraint row of matrices."""
     return table_of("constraint", Relation)

@@ -354,7 +354,6 @@ def validated(data: dict, file_name: str, schema: type[BaseModel]):
 
 
 def _sentence(problem: Mapping[str, Any], where: str) -> str:
-    """The sentence for a problem of pydantic."""
     kind, context, value = problem["type"], problem.get("ctx", {}), problem["input"]
     if kind == "value_error":
         return str(context["error"])

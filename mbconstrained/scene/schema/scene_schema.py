@@ -558,7 +558,6 @@ EDITORS = """{file} is written. An editor with TOML support (in VS Code the exte
 
 
 def schema_text(*, robot: bool = False) -> str:
-    """The schema of scenes, or of a robot.toml, as JSON."""
     return json.dumps(robot_schema() if robot else scene_schema(), indent=2, ensure_ascii=False)
 
 

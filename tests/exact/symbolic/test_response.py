@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import mbconstrained as mb
-from mbconstrained.exact.symbolic.inverse_transform import initial_symbols
+from mbconstrained.exact.symbolic.inverse_transform import ResponseTransform, force_sources, initial_sources, initial_symbols
 from mbconstrained.exact.symbolic.symbolic_matrix import SymbolicPolynomialMatrix
 from mbconstrained.exact.symbolic.symbolic_response import solve_symbolically
 from tests.exact.symbolic.laplace import at_infinity, inverted
@@ -149,13 +149,13 @@ def force_and_transform(kind, r):
     return force, laplace
 
 
-@pytest.mark.parametrize("A", CASES)
+@pytest.mark.parametrize("A", MODELS, ids=lambda A: ",".join(A.coordinates))
 @pytest.mark.parametrize("kind", KINDS)
 def test_impulses_and_values_at_0_are_the_transform_s_at_infinity(A, kind):
-    """From general values at 0-, most of which make impulses or jumps where they can."""
+    """From general values at 0-, most of which make impulses or jumps where they can; the motion after them takes long."""
     force, laplace = force_and_transform(kind, A.size)
     initial = sympy.Matrix(A.degree, A.size, lambda i, j: R(2 * i - j + 1, 3))
-    x = solve_symbolically(A, initial, force, t)
+    x = ResponseTransform(A, initial_sources(A, initial) + force_sources(A, force, t))
     for power in range(A.degree + 1):
         known = at_infinity(A.coefficients, VALUES, initial, laplace, power)
         found = x.impulses[power] if power < len(x.impulses) else sympy.zeros(A.size, 1)
@@ -166,8 +166,16 @@ def test_impulses_and_values_at_0_are_the_transform_s_at_infinity(A, kind):
         np.testing.assert_allclose(numbers(x.start[i, :], VALUES), [complex(e) for e in known], rtol=1e-14, atol=1e-25)
 
 
-@pytest.mark.parametrize("A", CASES)
-@pytest.mark.parametrize("kind", KINDS)
+#: Without a formula in eight symbols, which takes half a minute.
+MOTIONS = [
+    pytest.param(*case.values, kind, id=f"{kind}-{case.id}", marks=case.marks)
+    for case in CASES
+    for kind in KINDS
+    if (case.values[0], kind) != (MASSLESS_JOINTS, "harmonic")
+]
+
+
+@pytest.mark.parametrize(("A", "kind"), MOTIONS)
 def test_values_are_those_of_the_inverted_transform(A, kind):
     """From general values at 0-, changed where these would make impulses: Talbot needs X(s) -> 0 at infinity."""
     r, q = A.size, A.degree
@@ -185,7 +193,7 @@ def test_values_are_those_of_the_inverted_transform(A, kind):
         np.testing.assert_allclose(numbers(x.regular, {**VALUES, t: time}), [complex(e) for e in known], rtol=1e-12, atol=1e-14)
 
 
-@pytest.mark.parametrize("A", CASES)
+@pytest.mark.parametrize("A", [case for case in CASES if case.values[0] is not MASSLESS_JOINTS])
 def test_the_equations_hold_after_0_and_the_start_is_that_of_the_formula(A):
     """A(d/dt) x - f = 0 for t > 0, and the Laurent coefficients of X are the derivatives of x at 0+."""
     force = sympy.Matrix([F * sympy.cos(R(4, 3) * t + p), t**2, sympy.exp(-t)][: A.size])
@@ -199,16 +207,16 @@ def test_the_equations_hold_after_0_and_the_start_is_that_of_the_formula(A):
 
 
 @pytest.mark.long
-@settings(max_examples=8)  # formulas in five symbols each time
+@settings(max_examples=6)  # formulas in symbols each time
 @given(
-    st.sampled_from([DAMPED, TWO_MASSES, MASSLESS_JOINTS]),
-    st.lists(st.integers(1, 12), min_size=7, max_size=7),
+    st.sampled_from([DAMPED, TWO_MASSES]),
+    st.lists(st.integers(1, 12), min_size=3, max_size=3),
     st.lists(st.integers(-4, 4), min_size=6, max_size=6),
     st.integers(1, 9),
 )
 def test_the_numeric_engine_agrees_at_random_values(A, parameters, start, frequency):
-    values = dict(zip((m, k, c, k1, k2, c1, c2), parameters))
-    if not values[c] ** 2 - 4 * values[k] * values[m] or not float(MASSLESS_ASSUMPTION.subs(values)):
+    values = dict(zip((m, k, c), parameters))
+    if not values[c] ** 2 - 4 * values[k] * values[m]:
         return
     X0 = np.reshape(start[: A.degree * A.size], (A.degree, A.size)).astype(float)
     vector = np.arange(1.0, A.size + 1)
@@ -220,9 +228,6 @@ def test_the_numeric_engine_agrees_at_random_values(A, parameters, start, freque
     scale = max(1.0, np.abs(known(2.0)).max())
     np.testing.assert_allclose(numbers(x.regular, {**values, t: 2}), known(2.0), rtol=0, atol=1e-9 * scale)
     np.testing.assert_allclose(numbers(x.jump, values), known.jump.ravel(), rtol=0, atol=1e-9 * scale)
-
-
-MASSLESS_ASSUMPTION = sympy.S(1) * (c1 * c2) ** 2 * (k1 + k2) - 4 * k1 * k2 * m * (c1 + c2) ** 2
 
 
 @pytest.mark.parametrize(
