@@ -72,7 +72,6 @@ class CampbellDiagram(Analysis):
 
     @classmethod
     def solve(cls, scene: Scene, settings: CampbellTable | None) -> Answer:
-        """The answer of a scene with a rotor, or with orders."""
         own = SpeedDiagram(scene, settings)
         notices = list(scene.notices)
         if not own.is_stable:
@@ -345,7 +344,6 @@ def _spectra(bases: np.ndarray, lines: np.ndarray, heights: np.ndarray, half: fl
 
 
 def _hz(point: CriticalSpeed) -> float:
-    """The frequency of the mode at a critical speed."""
     return abs(point.eigenvalue.imag) / (2 * np.pi)
 
 

@@ -165,7 +165,6 @@ class DiscreteRunAnswer(RunAnswer):
 
     @cached_property
     def notices(self) -> tuple[Notice, ...]:
-        """Notices on the answer, and doubts about it."""
         equations = self.scene.equations
         start = () if equations.are_bare or equations.has_outputs_among_coordinates else start_notices(equations)
         doubts = doubts_of("the samples", self.error_estimate)
@@ -227,12 +226,10 @@ class DiscreteRunAnswer(RunAnswer):
 
     @property
     def table_notices(self) -> tuple[Notice, ...]:
-        """The notices of the summary and of the page."""
         return self.notices
 
     @property
     def data(self) -> dict[str, Any]:
-        """The samples as plain data."""
         return {
             "source": self.source,
             "step_domain": "discrete",

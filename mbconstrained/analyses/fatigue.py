@@ -58,7 +58,6 @@ class Fatigue(Analysis):
 
     @classmethod
     def solve(cls, scene: Scene, settings: FatigueTable | None) -> Answer:
-        """The answer of a scene with mass, damping and stiffness."""
         system = scene.equations.system
         with at(scene.file_name, "fatigue"):
             if settings is None:
@@ -149,13 +148,12 @@ class _Damage:
 
     @cached_property
     def spectrum(self) -> FatigueDamageSpectrum:
-        own, is_random = self.settings, isinstance(self.excitation, Spectrum)
+        own, time = self.settings, None
         if isinstance(self.excitation, Spectrum):
-            corners = self.excitation.corners
+            corners, time = self.excitation.corners, own.duration
             low, high = (corners[0] or WHITE[0], corners[-1] if np.isfinite(corners[-1]) else WHITE[1]) if corners else WHITE
         else:
             low, high = natural_range(self.excitation)
-        time = own.duration if is_random else None
         return fatigue_damage_spectrum(
             self.excitation, own.lines(low, high), own.exponent, own.damping_ratio, own.spectrum, own.quality_factor, duration=time
         )
@@ -253,7 +251,6 @@ class _Counted:
 
 
 def _damage(row: dict) -> tuple[str, str]:
-    """Damage and life as texts."""
     if row["damage"] is None:
         return "–", "–"
     damage = number_text(row["damage"]) if np.isfinite(row["damage"]) else "infinite"

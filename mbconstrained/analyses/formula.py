@@ -174,7 +174,6 @@ class FormulaOfMotion(Analysis):
 
     @classmethod
     def solve(cls, scene: Scene, settings: FormulaOptions | None, progress: Callable[[str], None] | None = None) -> Answer:
-        """The answer of a scene whose formula can be written."""
         from ..exact.formula_printers import records
 
         own = settings or FormulaOptions()
@@ -189,7 +188,6 @@ class FormulaOfMotion(Analysis):
 
 
 def written(form: ClosedForm, language: str, digits: int | None = None) -> str:
-    """The formula in a language."""
     from ..exact.formula_printers import formula_text, latex, records
     from ..exact.source_code import c_source, python_source
 

@@ -242,7 +242,6 @@ class Frequency(Analysis):
 
     @classmethod
     def solve(cls, scene: SceneData, settings: FrequencyTable | None) -> Answer:
-        """The answer of any scene."""
         return cls(scene, settings).to_answer()
 
     @cached_property
@@ -394,7 +393,6 @@ class Frequency(Analysis):
 
     @cached_property
     def notices(self) -> tuple[Notice, ...]:
-        """Notices on the response, and doubts about it."""
         own = self.system.damping_notices() if self.system is not None else ()
         loaded = {load.title for load in self.scene.table.force}
         if len(loaded) > 1 and self.table.inputs is None and self.system is not None:

@@ -58,7 +58,6 @@ class Locus(Analysis):
 
     @classmethod
     def solve(cls, scene: Scene, settings: ParameterOfLocus | None) -> Answer:
-        """The answer of a scene with mass, damping and stiffness."""
         if settings is None:
             raise InputError("there is no parameter; give it as --vary NAME=VALUES")
         ((name, given),) = settings.vary.items()

@@ -47,7 +47,6 @@ class ModalAssurance(Analysis):
 
     @classmethod
     def solve(cls, scene: Scene, settings: ModesOfTwoScenes | None) -> Answer:
-        """The answer of two scenes with mass and stiffness."""
         with at(scene.file_name, "mac"):
             if settings is None:
                 raise InputError("there is no other scene; give it as --other SCENE")

@@ -122,7 +122,6 @@ class ModeLine:
         return tuple(sorted(rows, key=lambda row: descending(max(abs(row[1] or 0.0), abs(row[2] or 0.0)))))
 
     def data(self) -> dict:
-        """Numbers in SI."""
         size, shape, shares = abs(self.value), self.shape, self.shares
         frequency = size if self.value.imag else None
         return {

@@ -66,7 +66,6 @@ class Orders(Analysis):
 
     @classmethod
     def solve(cls, scene: Scene, settings: OrdersTable | None) -> Answer:
-        """The answer of a scene with mass, damping and stiffness."""
         with at(scene.file_name, "orders"):
             own = _RunUp(scene, settings or OrdersTable())
         return cls.of(
@@ -351,7 +350,6 @@ class _RunUp:
         return with_unit(float(f"{factor * value:.5g}"), unit) if np.isfinite(value) else "unbounded"
 
     def data(self) -> dict[str, Any]:
-        """The answer in SI."""
         tops, places = self.maxima
         return {
             "speeds": {"from": self.speeds[0], "to": self.speeds[-1], "count": len(self.speeds)},

@@ -35,7 +35,6 @@ class RobotPath(Analysis):
 
     @classmethod
     def solve(cls, scene: Scene, settings: PathTable | None) -> Answer:
-        """The answer of a scene with a robot."""
         robot_scene = scene.equations.robot_scene
         if robot_scene is None:
             raise InputError('a path needs a model of kind = "robot"')

@@ -58,7 +58,6 @@ class Random(Analysis):
 
     @classmethod
     def solve(cls, scene: Scene, settings: RandomTable | None) -> Answer:
-        """The answer of a scene with mass, damping and stiffness."""
         response = random_response(scene, settings)
         shown, system = scene.equations.coordinates.shown, scene.equations.system
         known = channels(system, "inputs")
@@ -139,7 +138,6 @@ class _Input:
 
     @property
     def unit(self) -> str:
-        """Unit in SI."""
         order = KINDS[self.spectrum.of]
         return force_unit(self.place_unit) if order is None else rate_unit(self.place_unit, order)
 
@@ -208,7 +206,6 @@ class _Outputs:
         return self.response.cumulative_rms(self.frequencies)
 
     def columns(self) -> dict[str, np.ndarray]:
-        """The spectra by their heads."""
         heads = (f"{name} ({density_unit(unit)})" for name, (unit, _) in zip(self.response.outputs, self.shown))
         return {"frequency (Hz)": self.frequencies, **dict(zip(heads, self.spectra))}
 

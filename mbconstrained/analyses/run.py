@@ -76,17 +76,14 @@ class RunAnswer(Result, Answer):
 
     @property
     def name(self) -> str:
-        """Name of the scene."""
         return self.scene.name
 
     @property
     def title(self) -> str:
-        """Title of the scene."""
         return self.scene.title
 
     @property
     def source(self) -> str:
-        """Source of the scene."""
         return self.scene.table.source
 
     @property
@@ -129,7 +126,6 @@ class RunAnswer(Result, Answer):
 
     @cached_property
     def notices(self) -> tuple[Notice, ...]:
-        """Notices on the answer, and doubts about it."""
         equations = self.scene.equations
         notices = self.motion._equation_notices if self.system else with_units(self.motion, equations.coordinates)
         accuracy = (one for kind, estimate in self.error_estimates.items() for one in doubts_of(f"the {kind}", estimate))
@@ -507,7 +503,6 @@ def _rank(notice: Notice) -> int:
 
 
 def _height(parts: Sequence[str | TextTable], width: int) -> int:
-    """Lines of texts and tables, with an empty one after each."""
     return sum(_printed([part], width).count("\n") + 2 for part in parts)
 
 

@@ -70,7 +70,6 @@ class Sensitivity(Analysis):
 
     @classmethod
     def solve(cls, scene: SceneData, settings: VariedNames | None) -> Answer:
-        """The answer of a scene with a mechanical system."""
         self = cls(scene, (settings and settings.to) or ())
         return cls.of(
             scene,

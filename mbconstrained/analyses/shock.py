@@ -59,7 +59,6 @@ class Shock(Analysis):
 
     @classmethod
     def solve(cls, scene: Scene, settings: ShockTable | None) -> Answer:
-        """The answer of a scene with mass, damping and stiffness."""
         table, system = settings or ShockTable(), scene.equations.system
         motions = scene.table.prescribed
         with at(scene.file_name, "shock.of"):
@@ -185,7 +184,6 @@ class _Spectrum:
         return TextTable(f"Shock response: {self.spectrum.quantity}", ("spectrum", "largest", "at (Hz)"), tuple(rows))
 
     def data(self) -> dict:
-        """The spectrum in SI."""
         own = self.spectrum
         unit = own.unit.replace("m", self.unit, 1)
         first = {"of": self.name, "quantity": own.quantity, "unit": unit, "damping_ratio": own.damping_ratio}

@@ -72,7 +72,6 @@ class Steady(Analysis):
 
     @classmethod
     def solve(cls, scene: Scene, settings: SteadyTable | None) -> Answer:
-        """The answer of a scene with mass, damping and stiffness."""
         with at(scene.file_name, "steady"):
             if scene.equations.system is None or scene.equations.control is not None:
                 raise InputError("a steady state needs a model with mass, damping and stiffness: of kind lumped, matrices or robot")
@@ -180,7 +179,6 @@ class _Cycle:
         return with_unit(float(f"{factor * value:.5g}"), unit)
 
     def data(self) -> dict[str, Any]:
-        """The answer in SI."""
         each = zip(self.outputs, self.extremes.minimum.tolist(), self.extremes.maximum.tolist(), self.rms.tolist())
         entries = [
             {"output": one.name, "quantity": one.quantity, "unit": one.unit, "smallest": low, "largest": high, "rms": rms}

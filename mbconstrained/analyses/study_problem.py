@@ -46,12 +46,10 @@ class StudyProblem:
         return solve(PolynomialMatrix(given_of(A), A.coordinates, A.equations, A.uncertainty), self.initial, self.force)
 
     def at(self, times) -> StudyProblem:
-        """The problem with other times."""
         return replace(self, times=np.asarray(times, dtype=float))
 
 
 def mechanical_problem(title: str, system: MechanicalSystem, times, displacement=None, velocity=None, force=None) -> StudyProblem:
-    """The problem of a mechanical system."""
     motion_start = [
         np.zeros(system.size) if value is None else np.asarray(value, dtype=float) for value in (displacement, velocity)
     ]

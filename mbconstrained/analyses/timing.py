@@ -36,7 +36,6 @@ class Timing:
 
     @property
     def median(self) -> float:
-        """Median in s."""
         return float(np.median(self.seconds))
 
     @property
@@ -76,7 +75,6 @@ def suitable_clock(states: int) -> Clock:
 
 
 def timed(work: Callable, clock: Callable[[], float] = perf_counter):
-    """Run and time a function once."""
     start = clock()
     result = work()
     return result, clock() - start

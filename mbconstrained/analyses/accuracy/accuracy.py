@@ -58,7 +58,6 @@ class Accuracy(Analysis):
 
     @classmethod
     def solve(cls, scene: Scene, settings: AccuracySettings | None, progress: Progress = no_progress) -> Answer:
-        """The answer of a scene."""
         seconds = (settings or AccuracySettings()).seconds
         problem = problem_of(scene) if scene.equations.switching is None else switched_problem_of(scene)
         return accuracy_report(problem, seconds=seconds, progress=progress).answer(scene.name, scene.table.source)
@@ -181,7 +180,6 @@ class AccuracyReport:
 def accuracy_report(
     problem: StudyProblem, methods: Sequence[ComparedMethod] = (), seconds: float = SECONDS, progress: Progress = no_progress
 ) -> AccuracyReport:
-    """Measure every method on a problem."""
     switches = isinstance(problem, SwitchedProblem)
     methods = methods or (SWITCHED_METHODS if switches else catalogue.METHODS)
     progress("the reference solution")
@@ -225,7 +223,6 @@ def _named(run: Measurement, time) -> str:
 
 
 def fastest_table(report: AccuracyReport) -> TextTable:
-    """The fastest methods by error."""
     rows = []
     for methods, group in groupby(report.fastest, key=lambda row: row[1:]):
         errors = [f"{error:.0e}" for error, *_ in group]

@@ -50,7 +50,6 @@ class Reduced:
 
     @property
     def count(self) -> int:
-        """The number n of states."""
         return len(self.S)
 
     def jump(self, impulses) -> np.ndarray:

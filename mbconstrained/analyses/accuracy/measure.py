@@ -143,7 +143,6 @@ class Measurement:
 
     @property
     def label(self) -> str:
-        """Method and setting."""
         return ", ".join(filter(None, (self.method.name, self.setting.label)))
 
 
@@ -185,7 +184,6 @@ class _Trial:
         self.further.append(further)
 
     def measured(self, reference: ReferenceSolution) -> Measurement:
-        """The result."""
         error = np.inf if self.values is None else reference.error(self.values)
         if not self.failure and not error < LARGEST_ERROR:
             self.failure = "gives no numbers" if error == np.inf else f"has an error of {error:.1g} times the motion"

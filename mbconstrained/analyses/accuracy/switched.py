@@ -44,13 +44,11 @@ class SwitchedProblem(StudyProblem):
     penetration: bool = False
 
     def solve(self) -> SwitchedMotion:
-        """Solve for the motion through all phases."""
         x, v = self.initial
         return self.machine.solve(x, v, self.applied, end=float(self.times[-1]), penetration=self.penetration)
 
 
 def switched_problem_of(scene: Scene) -> SwitchedProblem:
-    """The problem of a scene with switches."""
     equations = scene.equations
     switching = equations.switching
     first = switching.begin.solution.sequence.segments[-1].phase.system

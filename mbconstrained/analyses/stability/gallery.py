@@ -86,7 +86,6 @@ class Facts:
 
     @cached_property
     def structure(self) -> ExactStructure:
-        """Exact structure of A(s), with finite and infinite zeros."""
         from ...exact import structure
 
         return structure(self.problem.polynomial_matrix)

@@ -71,13 +71,11 @@ class Stability(Analysis):
 
     @classmethod
     def solve(cls, scene: Scene, settings: StabilitySettings | None, progress: Progress = no_progress) -> Answer:
-        """The answer of a scene."""
         table = settings or StabilitySettings()
         return scene_report(scene, table.decades, table.step, progress).answer(scene.name)
 
     @classmethod
     def answer_without_scene(cls, progress: Progress | None = None, systems: str = "", **_) -> Answer:
-        """The answer of the gallery."""
         from .gallery import GALLERY, system
 
         names = [name.strip() for name in systems.split(",") if name.strip()]
@@ -181,7 +179,6 @@ class StabilityReport:
 
 
 def gallery_report(systems: Sequence[System], progress: Progress = no_progress) -> StabilityReport:
-    """Run systems of the gallery."""
     sweeps = [_of_system(system, progress) for system in systems]
     return StabilityReport("Gallery of stiff and extreme systems", tuple(sweeps), machine(), of_scene=False)
 
@@ -252,7 +249,6 @@ def _short(point: Point) -> str:
 
 
 def gallery_table(report: StabilityReport) -> TextTable:
-    """The systems of the gallery, their difficulties and sources."""
     rows = tuple((sweep.name, sweep.title, sweep.parameter, sweep.difficulty, sweep.source) for sweep in report.sweeps)
     return TextTable("The systems", ("system", "title", "parameter", "difficulty", "source"), rows, folded=True)
 

@@ -58,7 +58,6 @@ class Job:
     data_folders: tuple[Path, ...] = ()  # of its data files, besides its own folder
 
     def scene(self, row: Mapping[str, Any]) -> Scene:
-        """The scene of a sample."""
         path = Path(self.path)
         name = SceneName(path.name, self.origins)
         return assembled(path, copy.deepcopy(self.data), name, {**self.settings, **row}, None, self.data_folders)
@@ -79,7 +78,6 @@ class SampleFamily(Family):
 
     @classmethod
     def of(cls, systems: Sequence[MechanicalSystem]) -> SampleFamily:
-        """The family of systems of one structure."""
         arrays = (np.stack([getattr(one, key) for one in systems]) for key in ("mass", "damping", "stiffness", "static_force"))
         result = cls(systems[0], *arrays)
         object.__setattr__(result, "members", tuple(systems))

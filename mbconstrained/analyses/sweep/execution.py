@@ -52,7 +52,6 @@ _ONE_CHUNK = Lock()
 
 
 def in_process(job: Job, chunks: Iterator[Chunk], seconds: float | None = None) -> Answers:
-    """Compute chunks one after another."""
     with _evaluation(job, seconds) as work:
         for number, rows in chunks:
             yield number, work(rows)
@@ -91,7 +90,6 @@ class _TimedProcess:
         return {name: np.concatenate([part[name] for part in known]) for name in timed_out}
 
     def close(self) -> None:
-        """End the process."""
         self._stack.close()
         self._connection = None
 

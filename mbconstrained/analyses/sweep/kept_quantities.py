@@ -75,7 +75,6 @@ class Variable:
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """Shape of the values of one sample."""
         return (len(self.labels),) if self.axis else ()
 
     @property

@@ -61,11 +61,9 @@ class Chunks(ABC):
 
     @property
     def count(self) -> int:
-        """The number of chunks."""
         return -(-len(self.samples) // self.size)
 
     def at(self, chunk: int) -> slice:
-        """The samples of a chunk."""
         return slice(chunk * self.size, min((chunk + 1) * self.size, len(self.samples)))
 
     @property
@@ -96,15 +94,12 @@ class Memory(Chunks):
         self._parts: dict[int, Mapping[str, np.ndarray]] = {}
 
     def missing(self) -> Iterator[int]:
-        """The chunks not yet written."""
         return (chunk for chunk in range(self.count) if chunk not in self._parts)
 
     def write(self, chunk: int, arrays: Mapping[str, np.ndarray]) -> None:
-        """Store the arrays."""
         self._parts[chunk] = {**arrays, REASON: arrays[REASON].astype(str)}  # of no greater width than those of the chunk need
 
     def read(self, name: str, where: tuple = ()) -> np.ndarray:
-        """A variable, its status or reason, for all samples."""
         whole = np.concatenate([self._parts[chunk][name] for chunk in sorted(self._parts)])
         return whole[(slice(None), *where)]
 
@@ -198,7 +193,6 @@ class Store(Chunks):
             raise OSError(problem.errno, text, str(self.path)) from None
 
     def read(self, name: str, where: tuple = ()) -> np.ndarray:
-        """A variable, its status or reason, from the files."""
         return np.asarray(self._group[name][(slice(None), *where)])
 
     def _check_space(self, count: int) -> None:
@@ -358,5 +352,4 @@ def _texts(value) -> Iterator[str]:
 
 
 def variable_data(variables: tuple[Variable, ...]) -> list[dict]:
-    """Variables as plain data."""
     return [{key: value for key, value in asdict(one).items() if key != "units" or value} for one in variables]
