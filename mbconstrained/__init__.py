@@ -44,8 +44,8 @@ if TYPE_CHECKING:
     from .frequency.random.spectra import rational_spectrum as rational_spectrum
     from .frequency.random.spectra import road_profile as road_profile
     from .frequency.random.spectra import white_noise as white_noise
-    from .frequency.shock.response_spectrum import ShockResponseSpectrum as ShockResponseSpectrum
-    from .frequency.shock.response_spectrum import shock_response_spectrum as shock_response_spectrum
+    from .frequency.shock_spectrum import ShockResponseSpectrum as ShockResponseSpectrum
+    from .frequency.shock_spectrum import shock_response_spectrum as shock_response_spectrum
     from .ground.errors import ContradictoryConstraints as ContradictoryConstraints
     from .ground.errors import IllConditioned as IllConditioned
     from .ground.errors import InputError as InputError
@@ -168,7 +168,7 @@ _NAMES = {
     "frequency.frequency_response": "FrequencyResponse frequency_response",
     "frequency.random.random_response": "RandomResponse octave_bands",
     "frequency.random.spectra": "Spectrum dryden kanai_tajimi psd rational_spectrum road_profile white_noise",
-    "frequency.shock.response_spectrum": "ShockResponseSpectrum shock_response_spectrum",
+    "frequency.shock_spectrum": "ShockResponseSpectrum shock_response_spectrum",
     "ground.errors": "ContradictoryConstraints IllConditioned InputError MbconstrainedError MissingPackage NoNormalForm NotSolvable NotUnique Overflow SceneError SingularPolynomialMatrix",
     "ground.notices": "Notice NoticeKind",
     "mechanics.boundary": "BoundaryMotion BoundaryResponse boundary_solve",

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..frequency.fatigue import CycleCount, FatigueDamageSpectrum, fatigue_damage_spectrum, rainflow
 from ..frequency.random.spectra import Spectrum
-from ..frequency.shock.response_spectrum import UNITS
+from ..frequency.shock_spectrum import UNITS
 from ..ground.display import TextTable, number_text
 from ..ground.errors import InputError, named
 from ..ground.notices import distinct

@@ -17,7 +17,7 @@ import numpy as np
 from ..frequency.frequency_response import FrequencyResponse
 from ..frequency.plots import principal_phase
 from ..frequency.random.random_response import RandomResponse
-from ..frequency.shock.response_spectrum import PARTS, ShockResponseSpectrum
+from ..frequency.shock_spectrum import PARTS, ShockResponseSpectrum
 from ..ground.by_name import answering
 from ..ground.checks import check_known, real_number, whole_number
 from ..ground.display import with_unit

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, cast
 
 import numpy as np
 
-from ..frequency.shock.response_spectrum import PARTS, ShockResponseSpectrum, shock_response_spectrum
+from ..frequency.shock_spectrum import PARTS, ShockResponseSpectrum, shock_response_spectrum
 from ..ground.checks import nearest
 from ..ground.coordinate_units import rate_unit
 from ..ground.display import TextTable, number_text

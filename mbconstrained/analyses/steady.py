@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from ..frequency.shock.extrema import Extrema, extrema, root_mean_squares
+from ..frequency.extrema import Extrema, extrema, root_mean_squares
 from ..ground.coordinate_units import derivative_name, force_unit, rate_unit
 from ..ground.display import TextTable, number_text, with_unit
 from ..ground.errors import InputError

@@ -15,7 +15,7 @@ import re
 import shlex
 import sys
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import chdir, redirect_stderr, redirect_stdout
 from doctest import DocTestParser
 from pathlib import Path
@@ -36,8 +36,8 @@ def pictures(page: Path) -> Iterator[tuple[str, str]]:
     )
 
 
-def drawn(page: Path) -> Iterator[tuple[str, bytes]]:
-    """(file, content) of the pictures of a page, made by its commands; each command runs once."""
+def drawn(page: Path, made: Mapping[str, Path] | None = None) -> Iterator[tuple[str, bytes]]:
+    """(file, content) of the pictures of a page, made by its commands; each runs once, unless the folder of its files is known."""
     wanted: dict[str, list[str]] = {}
     for command, file in pictures(page):
         wanted.setdefault(command, []).append(file)
@@ -47,13 +47,15 @@ def drawn(page: Path) -> Iterator[tuple[str, bytes]]:
         for title, scene in re.findall(r"^```toml\n# (\w+\.toml)\n(.*?)^```$", page.read_text(encoding="utf-8"), re.M | re.S):
             Path(title).write_text(scene, encoding="utf-8")
         for number, (command, files) in enumerate(wanted.items()):
-            out = "" if command == "python" else f"out{number}"
-            if out:
-                _run([*shlex.split(command), *["--plots"] * any(file.endswith(".svg") for file in files), "--out", out])
-            else:
+            out = (made or {}).get(command)
+            if out is None and command == "python":
+                out = Path()
                 _execute(page.read_text(encoding="utf-8"))
+            elif out is None:
+                out = Path(f"out{number}")
+                _run([*shlex.split(command), *["--plots"] * any(file.endswith(".svg") for file in files), "--out", str(out)])
             for file in files:
-                yield file, _picture(Path(out, file), _anchor(command))
+                yield file, _picture(out / file, _anchor(command))
 
 
 def _anchor(command: str) -> str:

@@ -15,12 +15,12 @@ from ..ground.tolerances import EPS, FREE_PART
 from ..polynomial.polynomial_matrix import PolynomialMatrix
 from ..signals.bohl import BohlFunction
 from ..signals.impulsive import ImpulsiveSmooth
+from .extrema import fastest_rate
 from .harmonic import Harmonic
 from .random.random_response import RandomResponse
 from .random.spectra import KINDS, Spectrum
 from .random.spectral_matrix import spectral_matrix
-from .shock.extrema import fastest_rate
-from .shock.response_spectrum import QUANTITIES, UNITS, Oscillator, ShockRecord, checked_oscillators, record_of_signal
+from .shock_spectrum import QUANTITIES, UNITS, Oscillator, ShockRecord, checked_oscillators, record_of_signal
 
 #: Cycles of functions in closed form that are smaller than this share of the largest one are rounding errors.
 SMALLEST_CYCLE = 1e4 * EPS

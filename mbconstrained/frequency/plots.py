@@ -122,7 +122,7 @@ def _bode(axes, f, H, quantity, unit, style) -> None:
     drawn = {"log": axes[0].loglog, "linear": axes[0].semilogx, "dB": axes[0].semilogx}[style.amplitude]
     drawn(factor * f[there], style.shown(size[there]))
     shown = f"dB re 1 {unit}".rstrip() if style.amplitude == "dB" else unit
-    axes[0].set_ylabel(f"{quantity} ({shown})" if shown else quantity)
+    axes[0].set_ylabel(_labelled(quantity, shown))
     positive, drawn = f[f > 0], H[f > 0]
     phase = continuous_phase(drawn, positive, style.dead_time) if style.unwrapped else principal_phase(drawn)
     axes[1].semilogx(factor * positive, phase)
@@ -134,17 +134,21 @@ def _bode(axes, f, H, quantity, unit, style) -> None:
             each.xaxis.set_minor_formatter("{x:g}")
 
 
+def _labelled(text: str, unit: str) -> str:
+    return f"{text} ({unit})" if unit else text
+
+
 def _nyquist(axes, f, H, quantity, unit, style) -> None:
     axes[0].plot(H.real, H.imag)
     axes[0].set_aspect("equal", adjustable="datalim")
-    axes[0].set_xlabel(f"real part of {quantity} ({unit})" if unit else f"real part of {quantity}")
+    axes[0].set_xlabel(_labelled(f"real part of {quantity}", unit))
     axes[0].set_ylabel("imaginary part")
 
 
 def _parts(axes, f, H, quantity, unit, style) -> None:
     for axis, part, name in ((axes[0], H.real, "real"), (axes[1], H.imag, "imaginary")):
         axis.plot(AXIS_FACTORS[style.axis] * f, part)
-        axis.set_ylabel(f"{name} part of {quantity} ({unit})" if unit else f"{name} part of {quantity}")
+        axis.set_ylabel(_labelled(f"{name} part of {quantity}", unit))
     axes[1].set_xlabel(f"frequency ({style.axis})")
 
 

@@ -10,11 +10,11 @@ from typing import Any, ClassVar, Literal
 
 import numpy as np
 
+from ..frequency.extrema import Extrema, RootMeanSquares, extrema, root_mean_squares
 from ..frequency.harmonic import Harmonic
 from ..frequency.random.random_response import RandomResponse
 from ..frequency.random.spectra import KINDS
 from ..frequency.random.spectral_matrix import SpectralMatrix
-from ..frequency.shock.extrema import Extrema, RootMeanSquares, extrema, root_mean_squares
 from ..ground.by_name import answering
 from ..ground.checks import counted, evaluation_times, places_of, real_array
 from ..ground.display import Displayed, TextTable, notice_table
@@ -507,7 +507,7 @@ class FamilyMotion(Displayed):
         return given, errors, alone
 
     def extrema(self, span: tuple[float, float], order: int = 0, combinations: np.ndarray | None = None) -> list[Extrema]:
-        """The largest and the smallest values of each system over a span of time, none missed (``frequency.shock.extrema``).
+        """The largest and the smallest values of each system over a span of time, none missed (``frequency.extrema``).
 
         Each system's flow is decoupled; where its values are not those of the family at some times, the system is solved by itself.
         The order is 0 for x, 1 for x', 2 for x''; combinations of the coordinates have the shape (p, n), by default each one.

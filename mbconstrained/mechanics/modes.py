@@ -272,12 +272,12 @@ class Modes(Presented, Sequence):
         result, (places, s, u) = np.zeros(len(self.modes)), self._columns
         if self.polynomial_matrix is None or not len(places):
             return result
-        size, moduli, left, terms = np.abs(u), np.abs(s), 0.0, 0.0
+        size, left, terms = np.abs(u), 0.0, 0.0
         for k, matrix in enumerate(self.polynomial_matrix.coefficients):
             if matrix.any():
-                matrix = kept(matrix)
-                left = left + s**k * product(matrix, u)
-                terms = terms + moduli**k * product(abs(matrix), size)
+                matrix, power = kept(matrix), s**k
+                left = left + (power if power.imag.any() else power.real) * product(matrix, u)  # of undamped modes all is real
+                terms = terms + np.abs(power) * product(abs(matrix), size)
         left, terms = np.linalg.norm(left, axis=0), np.linalg.norm(terms, axis=0)
         np.maximum.at(result, places, left / np.where(terms > 0, terms, 1.0))
         return result

@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ..frequency.extrema import Extrema, extrema
 from ..frequency.fatigue import CycleCount, cycles_of
-from ..frequency.shock.extrema import Extrema, extrema
-from ..frequency.shock.response_spectrum import ShockResponseSpectrum
+from ..frequency.shock_spectrum import ShockResponseSpectrum
 from ..ground.checks import check_known, counted, nearest, real_array, real_number
 from ..ground.coordinate_units import force_unit, rate_unit
 from ..ground.display import Displayed, TextTable, number_text
@@ -175,7 +175,7 @@ class Peaks(Displayed):
 
 
 def peaks(motion, end: float, of: str | Sequence[str] = "displacement", combinations=None, names=None) -> Peaks:
-    """Exact extrema of a motion on [0, end], none missed: branch and bound over the closed form (``frequency.shock.extrema``)."""
+    """Exact extrema of a motion on [0, end], none missed: branch and bound over the closed form (``frequency.extrema``)."""
     end = real_number(end, "end", positive=True)
     if not isinstance(of, str) or of not in QUANTITIES:
         if combinations is not None:

@@ -16,8 +16,8 @@ from typing import Any
 
 import numpy as np
 
+from ..frequency.extrema import falling_root
 from ..frequency.features import BEYOND, EACH_DECADE, FIRST, MOST, RATIO
-from ..frequency.shock.extrema import falling_root
 from ..ground.tolerances import AUTO_DISTANCE, EPS, FORM_ROUNDING, LINE_ACCURACY, PROVED_ACCURACY
 from .stacked_equations import StackedEquations
 

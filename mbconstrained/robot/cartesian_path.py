@@ -67,7 +67,7 @@ class Target:
         """Targets from the pose of the body at a start to this one, on a straight line and about one axis."""
         import pinocchio
 
-        R, place = Kinematics(robot.tree, start).frame(robot.link_frames.anchor(self.body, self.point, (0.0, 0.0, 0.0), "body"))
+        R, place = Kinematics(robot.tree, start).frame(robot.link_frames.anchor(self.body, "body", self.point.tolist()))
         turn = np.zeros(3) if self.orientation is None else pinocchio.log3(R.T @ pinocchio.rpy.rpyToMatrix(*self.orientation))
         targets = []
         for share in np.linspace(0, 1, STAGES + 1)[1:-1]:

@@ -22,14 +22,16 @@ from ..ground.coordinate_units import GROUND
 from ..ground.errors import InputError
 from ..linalg.arrays import block_diag
 from .description.urdf import HIDDEN
-from .kinematics import Anchor, Kinematics, RelativePose, turned_product
+from .kinematics import Anchor, Kinematics, RelativePose, directions_across, turned_product
 from .tangent import Tangent, joint_displacements
 
 LoopKind = Literal["point", "rigid", "hinge", "prismatic", "cylindrical", "universal", "rod"]
 Vector = Sequence[float]
 
 AXES = ("x", "y", "z", "rx", "ry", "rz")
-_NOWHERE = (0.0, 0.0, 0.0)
+
+#: Place and directions of the own frame of a body, and constants of no spring.
+ZEROS = (0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True)
@@ -48,8 +50,8 @@ class Connection(Public):
     point1: Vector | None
     body2: str
     point2: Vector | None = None
-    rotation1: Vector = field(default=_NOWHERE, kw_only=True)
-    rotation2: Vector = field(default=_NOWHERE, kw_only=True)
+    rotation1: Vector = field(default=ZEROS, kw_only=True)
+    rotation2: Vector = field(default=ZEROS, kw_only=True)
     name: str | None = field(default=None, kw_only=True)
 
     word = "connection"
@@ -204,10 +206,7 @@ class Loop(Support):
     @cached_property
     def _parts(self) -> tuple[np.ndarray, np.ndarray]:
         """The directions of phi that are constrained: displacements (k, 3), then rotations (l, 3)."""
-        across, nonzero = np.linalg.svd(np.array([self.axis]))[2][1:], np.abs(self.axis) > 0
-        if nonzero.sum() == 1:
-            across = np.eye(3)[~nonzero]
-        none, every = np.zeros((0, 3)), np.eye(3)
+        across, none, every = directions_across(self.axis), np.zeros((0, 3)), np.eye(3)
         moves = {"prismatic": across, "cylindrical": across, "rod": every[:1]}.get(self.kind, every)
         turns = {"point": none, "rod": none, "hinge": across, "cylindrical": across, "universal": every[:1]}.get(self.kind, every)
         return moves, turns
@@ -336,10 +335,10 @@ class Bushing(Support):
     (10000.0, 10000.0, 100000.0)
     """
 
-    stiffness: Vector = _NOWHERE
-    turning_stiffness: Vector = _NOWHERE
-    damping: Vector = _NOWHERE
-    turning_damping: Vector = _NOWHERE
+    stiffness: Vector = ZEROS
+    turning_stiffness: Vector = ZEROS
+    damping: Vector = ZEROS
+    turning_damping: Vector = ZEROS
 
     word = "bushing"
 
@@ -447,24 +446,24 @@ class LinkFrames:
 
     def link(self, body: str) -> Anchor:
         """The frame of a link, or of the ground, in the joint that carries it."""
-        return self.anchor(body, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), "body")
+        return self.anchor(body, "body")
 
-    def anchor(self, body: str, point, rotation, what: str) -> Anchor:
+    def anchor(self, body: str, what: str, point: Vector = ZEROS, rotation: Vector = ZEROS) -> Anchor:
         """A frame given in a link, in the joint that carries the link."""
         import pinocchio
 
-        rotation = pinocchio.rpy.rpyToMatrix(*rotation)
+        turn = pinocchio.rpy.rpyToMatrix(*rotation)
         if body == GROUND:
-            return Anchor(0, rotation, np.array(point))
+            return Anchor(0, turn, np.array(point))
         self.check(body, what)
         frame = self._frames[body]
         link = np.array(frame.placement.rotation)
-        return Anchor(int(frame.parentJoint), link @ rotation, frame.placement.translation + link @ np.array(point))
+        return Anchor(int(frame.parentJoint), link @ turn, frame.placement.translation + link @ np.array(point))
 
     def point(self, motion: PointMotion, what: str) -> Anchor:
         """The point of an input or output."""
         self.check(motion.body, what)
-        return self.anchor(motion.body, motion.point, (0.0, 0.0, 0.0), what)
+        return self.anchor(motion.body, what, motion.point)
 
     def check(self, body: str, what: str) -> None:
         """Raise an InputError where no link has this name."""
@@ -475,9 +474,8 @@ class LinkFrames:
 
     def attached(self, connection: Connection, guess: Kinematics) -> Attached:
         """A connection with its frames; an omitted point coincides with the other one at the guess."""
-        nowhere, label = (0.0, 0.0, 0.0), connection.label
-        first = self.anchor(connection.body1, connection.point1 or nowhere, connection.rotation1, label)
-        second = self.anchor(connection.body2, connection.point2 or nowhere, connection.rotation2, label)
+        first = self.anchor(connection.body1, connection.label, connection.point1 or ZEROS, connection.rotation1)
+        second = self.anchor(connection.body2, connection.label, connection.point2 or ZEROS, connection.rotation2)
         if connection.point1 is not None and connection.point2 is not None:
             return Attached(connection, first, second)
         (rotation, place), (own, end) = guess.frame(first), guess.frame(second)
@@ -595,7 +593,7 @@ class Tendon:
                 row[tangent.place(name, f'tendon "{self.name}"')] = coefficient
         for item in self.segments:
             ends = [
-                frames.anchor(body, point, (0.0, 0.0, 0.0), f'tendon "{self.name}"')
+                frames.anchor(body, f'tendon "{self.name}"', point)
                 for body, point in ((item.body1, item.point1), (item.body2, item.point2))
             ]
             if ends[0].joint == ends[1].joint:

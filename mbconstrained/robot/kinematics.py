@@ -287,6 +287,12 @@ def _curvature(turn: np.ndarray) -> tuple[float, float]:
     return c, ((half / math.sin(half) ** 2 - cot) / 2 / x2 - 2 * c / x) / x
 
 
+def directions_across(direction: Sequence[float] | np.ndarray) -> np.ndarray:
+    """Two orthonormal directions across another, shape (2, 3), axes of the frame where that is one of them."""
+    nonzero = np.abs(direction) > 0
+    return np.eye(3)[~nonzero] if nonzero.sum() == 1 else np.linalg.svd(np.array([direction]))[2][1:]
+
+
 def cross_matrix(vector: np.ndarray) -> np.ndarray:
     """The matrix [a] with [a] b = a x b."""
     x, y, z = vector

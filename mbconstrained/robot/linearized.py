@@ -265,7 +265,7 @@ def _masses(posture: Posture, linearize: Linearize) -> Iterator[Parameter]:
                 changes = _inertias(robot, {name: 2 * mass}) - own
                 masses.append((name, mass, {joint: change / mass for joint, change in enumerate(changes, 1) if change.any()}))
     for payload in robot.payloads:
-        anchor = robot.link_frames.anchor(payload.body, payload.centre, (0.0, 0.0, 0.0), "payloads")
+        anchor = robot.link_frames.anchor(payload.body, "payloads", payload.centre)
         slope = np.array(pinocchio.Inertia(1.0, anchor.point, np.zeros((3, 3))).toDynamicParameters())
         if payload.mass and anchor.joint:
             masses.append((f"payload on {payload.body}", payload.mass, {anchor.joint: slope}))

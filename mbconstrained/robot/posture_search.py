@@ -38,7 +38,7 @@ from ..ground.tolerances import (
     SINGULAR_POSTURE,
 )
 from .connections import TURNING, Attached, BodySpring, LinkFrames, PointMotion, Support, untwisted, with_rest_length
-from .kinematics import Kinematics, Tree
+from .kinematics import Kinematics, Tree, directions_across
 from .robot_model import RobotModel
 from .statics import LARGEST_STEP, Balance, Equilibrium, Load, Posture, Rows, Search, closed, equilibrium, instability, rows_of
 
@@ -78,9 +78,8 @@ class PostureContact:
         inside the cone (N), moments about the edges of the sole (N m).
         """
         normal = self.support.unit_normal
-        across = np.linalg.svd(normal[None])[2][1:]
         angles = np.arange(SIDES) * 2 * np.pi / SIDES
-        sides = np.column_stack([np.cos(angles), np.sin(angles)]) @ across
+        sides = np.column_stack([np.cos(angles), np.sin(angles)]) @ directions_across(normal)
         friction = (self.support.friction or 0.0) * np.cos(np.pi / SIDES)
         force, edges = self.wrench[:3], [np.zeros((0, self.wrench.shape[1]))]
         for extent, moment in zip(self.support.patch or (), (self.wrench[4], self.wrench[3])):

@@ -11,7 +11,7 @@ import numpy as np
 from ..ground.by_name import answering
 from ..ground.errors import InputError
 from ..mechanics.constraints import Level
-from .connections import PointMotion
+from .connections import ZEROS, PointMotion
 from .linearized import LinearizedRobot, linearized_robot
 from .posture_search import find_posture
 from .robot_model import RobotModel
@@ -22,9 +22,6 @@ if TYPE_CHECKING:
     from .cartesian_path import PathModes
     from .description.meshes import MeshFiles
     from .visualization import ConnectionPoints, Poses, Visual
-
-
-_ORIGIN = (0.0, 0.0, 0.0)
 
 
 @answering
@@ -98,7 +95,7 @@ class Robot(RobotModel):
         return find_posture(self, self._guess(guess), forces or {}, hold)
 
     def inverse_kinematics(
-        self, body: str, place, point=_ORIGIN, orientation=None, guess: Mapping | np.ndarray | str | None = None
+        self, body: str, place, point=ZEROS, orientation=None, guess: Mapping | np.ndarray | str | None = None
     ) -> dict[str, float | tuple[float, ...]]:
         """Find joint values near a guess for which a point of a body is at a position and the loops are closed.
 
@@ -133,7 +130,7 @@ class Robot(RobotModel):
         self,
         body: str,
         places,
-        point=_ORIGIN,
+        point=ZEROS,
         orientation=None,
         guess: Mapping | np.ndarray | str | None = None,
         hold: Sequence[str] | Literal["all"] = "all",
@@ -163,7 +160,7 @@ class Robot(RobotModel):
         """
         from .cartesian_path import modes_along, target
 
-        return modes_along(self, target(body, point, _ORIGIN, orientation), places, self._guess(guess), hold, forces or {})
+        return modes_along(self, target(body, point, ZEROS, orientation), places, self._guess(guess), hold, forces or {})
 
     def linearize(
         self,

@@ -13,7 +13,7 @@ from ..ground.checks import nearest, real_array, real_number
 from ..ground.coordinate_units import GROUND
 from ..ground.display import Displayed
 from ..ground.errors import InputError
-from .connections import BodySpring, Bushing, LinkFrames, Loop, PointMotion, checked_connections
+from .connections import ZEROS, BodySpring, Bushing, LinkFrames, Loop, PointMotion, checked_connections
 from .description.sdf import read_description
 from .description.urdf import (
     Payload,
@@ -30,8 +30,6 @@ from .description.urdf import (
 from .flexible_joint import FlexibleJoint, Motor
 from .kinematics import Tree, built_model, finished_model
 from .tangent import BASE, JointGear, Tangent, geared, locked_values, mimic_rows
-
-_ORIGIN = (0.0, 0.0, 0.0)
 
 
 class RobotModel(Displayed):
@@ -91,7 +89,7 @@ class RobotModel(Displayed):
         given = checked_connections(loops, (Loop,), "loops", self.link_frames)
         self.moving_base = None
         if base == "moving":
-            self.moving_base = Loop(GROUND, _ORIGIN, root_link(self.description), _ORIGIN, kind="rigid", name=f"motion of {BASE}")
+            self.moving_base = Loop(GROUND, ZEROS, root_link(self.description), ZEROS, kind="rigid", name=f"motion of {BASE}")
         given = (*source.loops, *given, *filter(None, [self.moving_base]))
         self.loops = checked_connections(given, (Loop,), "loops", self.link_frames)
         own_springs = checked_connections(springs, (BodySpring, Bushing), "springs", self.link_frames)
@@ -128,7 +126,7 @@ class RobotModel(Displayed):
             raise InputError("payloads: expected a list of mb.Payload(body, mass, ...)")
         self.payloads = tuple(payloads)
         for payload in payloads:
-            anchor = self.link_frames.anchor(payload.body, payload.centre, _ORIGIN, "payloads")
+            anchor = self.link_frames.anchor(payload.body, "payloads", payload.centre)
             tensor = anchor.rotation @ payload.tensor @ anchor.rotation.T
             self.model.inertias[anchor.joint] += pinocchio.Inertia(payload.mass, anchor.point, (tensor + tensor.T) / 2)
 

@@ -27,6 +27,7 @@ from ..mechanics.switched.phase import STILL
 from ..mechanics.switched.switches import Guard, Switch, SwitchState, TimedChange, rigid_contact
 from ..models.switching import Contact
 from .connections import Attached, Loop, PointMotion, untwisted, with_rest_length
+from .kinematics import directions_across
 from .statics import cleaned_rows
 
 if TYPE_CHECKING:
@@ -400,9 +401,8 @@ def _split(
     """The row along a normal, those across it at velocity level, and the names of these, from displacements along x, y, z of the ground."""
     nonzero = np.abs(normal) > 0
     aligned = nonzero.sum() == 1
-    across = np.eye(3)[~nonzero] if aligned else np.linalg.svd(normal[None])[2][1:]
     words = [axis for axis, own in zip("xyz", nonzero) if not own] if aligned else ["shift 1", "shift 2"]
-    clean = _clean(posture, size, np.vstack([normal, across]) @ rows, ["m"] * 3)
+    clean = _clean(posture, size, np.vstack([normal, directions_across(normal)]) @ rows, ["m"] * 3)
     kept = [(f"{name} {word}", row) for word, row in zip(words, clean[1:]) if row.any()]
     constraints = tuple(Constraint(row, level="velocity", names=own, unit="m") for own, row in kept)
     return clean[0], constraints, tuple(own for own, _ in kept)

@@ -112,14 +112,9 @@ def restarts_at(moments: np.ndarray, states: np.ndarray, jumps: np.ndarray) -> R
 
 
 class FreeRestarts(Restarts):
-    """Restarts given by their states alone; the jumps at the knots are computed when they are first read.
+    """Restarts given by their states alone, zero before t = 0; the jumps at the knots are computed when they are first read."""
 
-    Args:
-        knots, states, remainders: as in ``Restarts``; before t = 0 the state is zero.
-        blocks: diagonal blocks of J.
-    """
-
-    blocks: Sequence[np.ndarray]
+    blocks: Sequence[np.ndarray]  # diagonal blocks of J
 
     def __init__(self, knots: np.ndarray, states: np.ndarray, remainders: np.ndarray | float, blocks: Sequence[np.ndarray]):
         self.__dict__.update(knots=knots, states=states, remainders=remainders, blocks=blocks)

@@ -10,6 +10,8 @@ from pathlib import Path
 import pytest
 
 import mbconstrained as mb
+from mbconstrained.docs.pictures import pictures
+from tests.docs.test_pictures import check_pictures
 
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "mbconstrained" / "docs"
@@ -73,10 +75,11 @@ def check_excerpt(text: str, printed: str) -> None:
 
 @pytest.mark.long
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.relative_to(DOCS).as_posix())
-def test_the_blocks_of_a_page_run_in_order(page, folder, command, monkeypatch):
+def test_the_blocks_of_a_page_run_in_order_and_draw_its_pictures(page, folder, command, monkeypatch):
     monkeypatch.chdir(folder)
     names: dict = {}
-    printed, pairs = "", blocks(page)
+    printed, pairs, made = "", blocks(page), {}
+    shown = {tuple(shlex.split(line)): line for line, file in pictures(page) if file.endswith(".svg")}
     for (language, text), (following, _) in pairwise([*pairs, ("", "")]):
         assert language in LANGUAGES, f"{page.name}: a block of {language or 'no language'}"
         if language == "python":
@@ -88,10 +91,15 @@ def test_the_blocks_of_a_page_run_in_order(page, folder, command, monkeypatch):
                 program, *arguments = shlex.split(line, comments=True) or ["", ""]
                 is_quoted = following == "text"
                 if program == "mbconstrained" and (is_quoted or not " ".join(arguments).startswith(ELSEWHERE)):
-                    code, printed, errors = command(*(arguments if is_quoted else shortened(arguments)))
+                    given = arguments if is_quoted else shortened(arguments)
+                    if tuple(given) in shown:
+                        out = made[shown[tuple(given)]] = folder / f"pictures {len(made)}"
+                        given = [*given, "--plots", "--out", str(out)]
+                    code, printed, errors = command(*given)
                     assert code == 0, f"{line}: {errors}"
         elif language == "text" and printed:
             check_excerpt(text, printed)
+    check_pictures(page, made)
 
 
 def without_blocks(page: Path) -> str:

@@ -18,7 +18,6 @@ LARGEST, ALL = 90_000, 1_300_000
 NEAR = 0.05
 
 SHOWN = {file: page for page in PAGES for _, file in pictures(page)}
-WITH_PICTURES = [page for page in PAGES if any(pictures(page))]
 
 
 def texts(svg: str) -> list[str]:
@@ -46,18 +45,23 @@ def test_every_picture_is_shown_once_and_small():
 
 def test_every_tutorial_and_guide_has_a_picture():
     guides = [page for room in ("tutorials", "howto") for page in (DOCS / room).glob("*.md") if page.stem != "index"]
-    assert [page.name for page in guides if page not in WITH_PICTURES] == []
+    assert [page.name for page in guides if page not in SHOWN.values()] == []
 
 
-@pytest.mark.long
-@pytest.mark.parametrize("page", WITH_PICTURES, ids=lambda page: page.name)
-def test_pictures_are_current(page):
+def check_pictures(page, made=None) -> None:
+    """The pictures of a page are those that its commands draw, or have drawn into known folders."""
     if not shutil.which("chromium") and any(file.endswith(".png") for _, file in pictures(page)):
         pytest.skip("pictures of models need Chromium")
-    for file, content in drawn(page):
+    for file, content in drawn(page, made):
         if file.endswith(".svg"):
             now, before = content.decode(), (FOLDER / file).read_text(encoding="utf-8")
             assert texts(now) == texts(before), f"{file}: python -m mbconstrained.docs.pictures"
             if version(before) == matplotlib.__version__:  # another version lays out the axes otherwise
                 assert [a.shape for a in curves(now)] == [b.shape for b in curves(before)]
                 assert max(np.abs(a - b).max(initial=0.0) for a, b in zip(curves(now), curves(before))) < NEAR, file
+
+
+@pytest.mark.long
+def test_pictures_of_the_first_page_are_current():
+    """Those of the others are compared where their commands run, in test_pages.py."""
+    check_pictures(PAGES[0])

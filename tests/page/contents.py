@@ -98,3 +98,11 @@ def many(count=30, length=2001, fastest=40.0):
     bodies = tuple(DrawnBody(name, rest=(2.0 * i, 0, 0), moves={name: (1, 0, 0)}) for i, name in enumerate(names))
     values, rates = 5 + np.sin(frequencies * times), frequencies * np.cos(frequencies * times)
     return Drawing(bodies), names, frequencies, times, values, rates
+
+
+def hermite(frames, time: float) -> np.ndarray:
+    """Cubic interpolation with both values and rates, as the page's script does it."""
+    k = int(np.clip(np.searchsorted(frames.times, time, side="right") - 1, 0, len(frames.times) - 2))
+    (a, b), (p, q), (v, w) = frames.times[k : k + 2], frames.values[:, k : k + 2].T, frames.rates[:, k : k + 2].T
+    s, h = (time - a) / (b - a), b - a
+    return (1 - s) ** 2 * (1 + 2 * s) * p + s**2 * (3 - 2 * s) * q + h * s * (1 - s) * ((1 - s) * v - s * w)

@@ -177,7 +177,7 @@ def test_terms_that_are_zero_are_no_delay():
     assert mb.solve(OSCILLATORS, START, delayed={0.3: np.zeros((2, 2))}).method.name != "method of steps"
 
 
-@pytest.mark.parametrize("seed", [1, 11, 21, 30, 39, *(pytest.param(seed, marks=pytest.mark.long) for seed in (12, 13, 15, 18))])
+@pytest.mark.parametrize("seed", [1, 11, 21, 30, 39, *(pytest.param(seed, marks=pytest.mark.long) for seed in (12, 13, 15, 19))])
 def test_random_systems_lie_in_exact_intervals_within_their_estimates(seed):
     random = np.random.default_rng(seed)
     n, degree = int(random.integers(1, 4)), int(random.integers(1, 3))

@@ -45,7 +45,7 @@ def assert_same_beginnings_as_alone(xs):
 
 
 @pytest.mark.parametrize("force", FORCES, ids=["free", "harmonic", "impulse and pulse"])
-@pytest.mark.parametrize("count", [1, 5, 8])
+@pytest.mark.parametrize("count", [1, 8])
 def test_small_models(force, count):
     xs = mb.solve(TIED, starts(TIED, count), force)
     assert len(xs.function.groups) == (1 if count > 6 else count)
@@ -64,7 +64,7 @@ def test_starts_that_fit_do_not_jump():
 
 
 @pytest.mark.parametrize("damping", [0.0, 0.05])
-@pytest.mark.parametrize("count", [3, pytest.param(45, marks=pytest.mark.long)])  # fewer and more than coordinates
+@pytest.mark.parametrize("count", [3, pytest.param(32, marks=pytest.mark.long)])  # fewer and more than coordinates
 @pytest.mark.parametrize("kind", ["free", "harmonic", "record"])
 def test_large_models(damping, count, kind):
     A = chain(damping)
@@ -75,7 +75,8 @@ def test_large_models(damping, count, kind):
     }[kind]
     xs = mb.solve(A, starts(A, count), force)
     assert_same_as_alone(xs, TIMES)
-    assert_same_as_alone(xs, RANDOM.permutation(TIMES))
+    order, values = RANDOM.permutation(len(TIMES)), xs(TIMES)
+    assert np.abs(xs(TIMES[order]) - values[:, :, order]).max() <= 1e-13 * np.abs(values).max()
     assert not xs.jump.any()
 
 
@@ -128,8 +129,8 @@ def test_motions_that_grow_out_of_range_do_not_spoil_those_that_do_not():
 
 
 def test_shapes_rows_and_items():
-    xs = mb.solve(TIED, starts(TIED, 40))
-    assert xs(1.0).shape == (40, 3) and xs(TIMES).shape == (40, 3, len(TIMES)) and xs([]).shape == (40, 3, 0)
+    xs = mb.solve(TIED, starts(TIED, 9))
+    assert xs(1.0).shape == (9, 3) and xs(TIMES).shape == (9, 3, len(TIMES)) and xs([]).shape == (9, 3, 0)
     assert np.allclose(xs.of("force", 0)(TIMES), xs(TIMES)[:, [2, 0]], rtol=1e-14, atol=1e-13)
     assert np.array_equal(xs[3:5](2.0), np.array([xs[3](2.0), xs[4](2.0)])) and np.array_equal(xs[-1].initial, xs.initial[-1])
     (_, first), *rest = xs.chunks(TIMES)
@@ -137,9 +138,9 @@ def test_shapes_rows_and_items():
     boxes, frame, table = xs[:2].enclose(2.0), xs[:2].to_xarray(TIMES), xs[:2].to_pandas(TIMES)
     assert all(np.allclose(np.array(box.lower, dtype=float), x(2.0)) for box, x in zip(boxes, xs))
     assert np.allclose(frame.transpose("member", "coordinate", "time"), xs(TIMES)[:2]) and np.allclose(table.loc[1].T, xs[1](TIMES))
-    assert repr(xs) == "Responses(40 solutions of 3 coordinates)" and len(list(xs)) == 40
+    assert repr(xs) == "Responses(9 solutions of 3 coordinates)" and len(list(xs)) == 9
     with pytest.raises(IndexError):
-        xs[40]
+        xs[9]
     with pytest.raises(mb.InputError, match='there is no coordinate "forc"; did you mean "force"?'):
         xs.of("forc")
 

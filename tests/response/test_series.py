@@ -101,7 +101,7 @@ def test_a_far_body_begins_with_its_own_power_of_time(body):
 @pytest.mark.long
 def test_far_bodies_are_accurate_from_the_first_moment_on():
     """The last body at t = 1e-4 has moved by 1e-64; its modes sum up to 1e-17 there."""
-    times = np.array([1e-4, 1e-2, 0.3, 1.0])
+    times = np.array([1e-4, 0.3])
     found, modal = function(mb.solve(chain(12), force=mb.step(np.eye(12)[0])))
     known = exact_chain(12, times)
     assert np.allclose(found(times), known, rtol=1e-13, atol=0)

@@ -1,6 +1,13 @@
-"""Robots of example-robot-data: Talos on two feet, and arms with fixed joints, against central differences of all forces."""
+"""Robots of example-robot-data: Talos on two feet, legged robots, all others, against differences of all forces and exponentials.
 
+They are looked for in the folder that the environment variable MBCONSTRAINED_ROBOT_DATA names (the one that holds "robots"), then
+next to numpy, where the wheel puts them: <site-packages>/cmeel.prefix/share/example-robot-data.
+"""
+
+import os
 import re
+from pathlib import Path
+from xml.etree import ElementTree
 
 import numpy as np
 import pinocchio as pin
@@ -8,12 +15,91 @@ import pytest
 import scipy.linalg
 
 import mbconstrained as mb
-from tests.robot import example_robot_data
 from tests.robot.linkages import allowed, null_space
 from tests.robot.reference import Reference
 
+SOLES = ("left_sole_link", "right_sole_link")
+
+
+def folder() -> Path | None:
+    """The folder that holds "robots"."""
+    requested = os.environ.get("MBCONSTRAINED_ROBOT_DATA")
+    places = [Path(requested)] if requested else []
+    places.append(Path(np.__file__).parents[1] / "cmeel.prefix/share/example-robot-data")
+    return next((place for place in places if (place / "robots").is_dir()), None)
+
+
+def file(name: str) -> Path:
+    return folder() / "robots" / name
+
+
+def half_sitting() -> dict:
+    """Of the SRDF of Talos, by joint; the base as 7 numbers."""
+    tree = ElementTree.parse(file("talos_data/srdf/talos.srdf"))
+    state = next(item for item in tree.iter("group_state") if item.get("name") == "half_sitting")
+    values = {item.get("name"): [float(x) for x in item.get("value").split()] for item in state.iter("joint")}
+    return {name: value if len(value) > 1 else value[0] for name, value in values.items()}
+
+
+def talos_on_two_feet():
+    """(robot, guess): on two feet, joint springs of 3000 N m/rad and dampers of 10 N m s/rad."""
+    sitting = half_sitting()
+    loops = [mb.Loop(sole, (0, 0, 0), "ground", kind="rigid", name=sole.split("_")[0]) for sole in SOLES]
+    path = file("talos_data/robots/talos_reduced.urdf")
+    guess = {name: sitting.get(name, 0.0) for name in mb.Robot(path).joints}
+    stiffness, damping = dict.fromkeys(guess, 3000.0), dict.fromkeys(guess, 10.0)
+    robot = mb.Robot(path, loops=loops, base="free", joint_stiffness=stiffness, joint_rest=guess, joint_damping=damping)
+    return robot, {**guess, "base": sitting["root_joint"]}
+
+
+UNITREE, ANYMAL = "FL_foot FR_foot RL_foot RR_foot", "LF_FOOT RF_FOOT LH_FOOT RH_FOOT"
+
+#: Legged robots: folder, URDF, SRDF with a posture (None: all joints at 0), feet, and what each foot does to the ground.
+LEGGED = {
+    "anymal c": ("anymal_c_simple_description", "urdf/anymal", "srdf/anymal", ANYMAL, "point"),
+    "hyq": ("hyq_description", "robots/hyq_no_sensors", "srdf/hyq", "lf_foot rf_foot lh_foot rh_foot", "point"),
+    "go1": ("go1_description", "urdf/go1", "srdf/go1", UNITREE, "point"),
+    "g1": ("g1_description", "urdf/g1_29dof_rev_1_0", None, "left_ankle_roll_link right_ankle_roll_link", "rigid"),
+    "romeo": ("romeo_description", "urdf/romeo_small", "srdf/romeo_small", "l_sole r_sole", "rigid"),
+    "a1": ("a1_description", "urdf/a1", "srdf/a1", UNITREE, "point"),
+    "go2": ("go2_description", "urdf/go2", "srdf/go2", UNITREE, "point"),
+    "b1": ("b1_description", "urdf/b1", "srdf/b1", UNITREE, "point"),
+    "laikago": ("laikago_description", "urdf/laikago", None, UNITREE, "point"),
+    "solo12": ("solo_description", "robots/solo12", "srdf/solo", "FL_FOOT FR_FOOT HL_FOOT HR_FOOT", "point"),
+    "anymal": ("anymal_b_simple_description", "robots/anymal", "srdf/anymal", ANYMAL, "point"),
+    "anymal-kinova": ("anymal_b_simple_description", "robots/anymal-kinova", "srdf/anymal-kinova", ANYMAL, "point"),
+}
+
+
+def legged_urdf(name: str) -> Path:
+    folder, urdf, *_ = LEGGED[name]
+    return file(f"{folder}/{urdf}.urdf")
+
+
+def standing(name: str, seed: int):
+    """(robot, guess): on two to four feet, or on two soles, near the posture of the SRDF; joint springs and dampers of any size."""
+    rng = np.random.default_rng(seed)
+    own, _, srdf, feet, kind = LEGGED[name]
+    urdf, state = legged_urdf(name), ()
+    if srdf:
+        state = next(ElementTree.parse(file(f"{own}/{srdf}.srdf")).iter("group_state"), ())
+    given = {item.get("name"): [float(x) for x in item.get("value").split()] for item in state}
+    bare = mb.Robot(urdf, base="free")
+    guess = {}
+    for joint in bare.joints[1:]:
+        low, high = bare.limits.get(joint, (-np.inf, np.inf))
+        value = given.get(joint, [0.0])[0] + 0.1 * rng.standard_normal()
+        guess[joint] = float(np.clip(value, low + 0.01, high - 0.01))
+    standing_on = feet.split()[: 2 + seed % 3]
+    loops = [mb.Loop(foot, (0, 0, 0), "ground", kind=kind, name=foot) for foot in standing_on]
+    stiffness, damping = ({name: float(10 ** rng.uniform(*decades)) for name in guess} for decades in ((1.5, 3.5), (-1, 1)))
+    robot = mb.Robot(urdf, loops=loops, base="free", joint_stiffness=stiffness, joint_rest=guess, joint_damping=damping)
+    base = next((value for value in given.values() if len(value) == 7), [0, 0, 1, 0, 0, 0, 1])
+    return robot, {**guess, "base": base}
+
+
 pytestmark = pytest.mark.skipif(
-    example_robot_data.folder() is None,
+    folder() is None,
     reason="example-robot-data is not installed (131 MB; pip install example-robot-data, or MBCONSTRAINED_ROBOT_DATA=its folder)",
 )
 
@@ -21,9 +107,9 @@ pytestmark = pytest.mark.skipif(
 @pytest.fixture(scope="module")
 def talos():
     """(robot, posture, system, the referee's robot, its configuration)."""
-    robot, guess = example_robot_data.talos()
+    robot, guess = talos_on_two_feet()
     posture = robot.equilibrium(guess, hold="all")
-    text = example_robot_data.file("talos_data/robots/talos_reduced.urdf").read_text()
+    text = file("talos_data/robots/talos_reduced.urdf").read_text()
     joints = {name: value for name, value in guess.items() if name != "base"}
     options = {"joint_stiffness": dict.fromkeys(joints, 3000.0), "joint_rest": joints, "joint_damping": dict.fromkeys(joints, 10.0)}
     reference = Reference(text, "free", loops=robot.loops, **options)
@@ -75,10 +161,10 @@ def test_talos_stiffness_is_the_derivative_of_all_forces(talos):
 
 
 @pytest.mark.parametrize("seed", range(6))
-@pytest.mark.parametrize("name", example_robot_data.LEGGED)
+@pytest.mark.parametrize("name", LEGGED)
 def test_legged_robots_are_trusted_where_they_are_right(name, seed):
     """The motion against the matrix exponential of the equations on an orthonormal basis of null(J)."""
-    robot, guess = example_robot_data.standing(name, seed)
+    robot, guess = standing(name, seed)
     system = robot.linearize(robot.equilibrium(guess, hold="all"))
     N = null_space(system.constraint_matrix)
     rng = np.random.default_rng(seed)
@@ -95,7 +181,7 @@ def test_legged_robots_are_trusted_where_they_are_right(name, seed):
 
 def test_a_head_that_is_a_point_on_three_axes_is_trusted():
     """iCub upright: the mass matrix has a direction u without mass, which follows at once: u^T (C x' + K x) = 0 with x = Y y + u z."""
-    path = example_robot_data.file("icub_description/robots/icub.urdf")
+    path = file("icub_description/robots/icub.urdf")
     names = mb.Robot(path).joints
     robot = mb.Robot(path, joint_stiffness=dict.fromkeys(names, 300.0), joint_damping=dict.fromkeys(names, 2.0))
     system = robot.linearize(robot.equilibrium())
@@ -123,7 +209,7 @@ NO_TREES = {"ur3.urdf", "quadrotor_base.urdf", "iris_simple.urdf"}
 
 def every_robot():
     """Paths of all URDFs of the package, none where it is not installed."""
-    place = example_robot_data.folder()
+    place = folder()
     return sorted(path for path in place.rglob("*.urdf") if path.name not in NO_TREES) if place else []
 
 
@@ -173,12 +259,11 @@ def test_every_robot_hangs_in_its_joint_springs_as_finite_differences_of_its_wei
 @pytest.mark.parametrize("name", ["anymal c", "hyq"])
 def test_loops_made_almost_dependent_are_never_trusted(name, distance):
     """A second point of a foot on the ground, so near that its rows are left out: they would keep the foot from turning."""
-    robot, guess = example_robot_data.standing(name, 3)
+    robot, guess = standing(name, 3)
     foot = robot.loops[0].body1
     springs = {joint: k for joint, k in zip(robot.coordinates, robot.joint_stiffness) if k}
     loops = [*robot.loops, mb.Loop(foot, (0, 0.6 * distance, 0.8 * distance), "ground", name="extra")]
-    text = example_robot_data.file(example_robot_data.LEGGED[name][0])
-    twice = mb.Robot(text, base="free", loops=loops, joint_stiffness=springs)
+    twice = mb.Robot(legged_urdf(name), base="free", loops=loops, joint_stiffness=springs)
     system = twice.linearize(twice.equilibrium(guess, hold="all"))
     assert len(system.rows) == len(robot.linearize(robot.equilibrium(guess, hold="all")).rows)
     assert [notice for notice in system.notices if notice.doubtful]

@@ -261,7 +261,6 @@ def test_a_rocking_block_has_the_times_and_the_ratio_of_speeds_of_housner():
     [
         {"velocity": {"base rx": 0.5}},
         pytest.param({"velocity": {"base z": 0.5}}, marks=pytest.mark.long),
-        pytest.param({"velocity": {"base z": -0.5}}, marks=pytest.mark.long),
         pytest.param({"displacement": {"base z": 0.05}}, marks=pytest.mark.long),
     ],
 )
@@ -296,7 +295,7 @@ def test_a_loop_that_closes_in_motion_is_pinocchios_impulse(kind):
     robot = arm()
     posture = robot.equilibrium(ANGLES, hold="all")
     frames, kinematics = robot.link_frames, posture.balance.kinematics
-    place = tuple(kinematics.frame(frames.anchor("l3", TIP, (0, 0, 0), ""))[1] + (0.1 if kind == "rod" else 0.0))
+    place = tuple(kinematics.frame(frames.anchor("l3", "", TIP))[1] + (0.1 if kind == "rod" else 0.0))
     loop = mb.Loop("ground", place, "l3", TIP, kind=kind, name="grip")
     x = (
         robot.linearize(posture)

@@ -16,7 +16,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.lib.mixins import NDArrayOperatorsMixin
 
-from ...frequency.shock.extrema import Extrema, RootMeanSquares
+from ...frequency.extrema import Extrema, RootMeanSquares
 from ...ground.errors import InputError, MbconstrainedError
 from ...ground.quantities import LARGEST, LEAST
 from ...ground.threads import SMALL, one_thread

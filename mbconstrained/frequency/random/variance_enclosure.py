@@ -50,12 +50,7 @@ def enclosed_variances(harmonic: Harmonic, spectra: SpectralMatrix, digits: int)
 
 
 class ExactVariance:
-    """The variances of one random response.
-
-    Args:
-        harmonic: H.
-        spectra: spectra of its inputs.
-    """
+    """The variances of one random response."""
 
     def __init__(self, harmonic: Harmonic, spectra: SpectralMatrix):
         if harmonic.imaginary is not None:
@@ -242,11 +237,7 @@ def _filter(pieces) -> tuple[flint.fmpq_poly, flint.fmpq_poly, float]:
 
 
 class _Chain:
-    """x^(N) + d_(N-1) x^(N-1) + ... + d_0 x = w in a unit of time without large coefficients.
-
-    Args:
-        denominator: D of degree N.
-    """
+    """x^(N) + d_(N-1) x^(N-1) + ... + d_0 x = w, D of degree N, in a unit of time without large coefficients."""
 
     def __init__(self, denominator: flint.fmpq_poly):
         self.size = denominator.degree()

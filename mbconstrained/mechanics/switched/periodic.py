@@ -15,7 +15,7 @@ from functools import cached_property
 import numpy as np
 import scipy
 
-from ...frequency.shock.extrema import extrema
+from ...frequency.extrema import extrema
 from ...ground.checks import counted, nearest, real_array, real_number
 from ...ground.display import Displayed, TextTable, number_text
 from ...ground.errors import InputError, MbconstrainedError, NotUnique, within_float64

@@ -21,6 +21,7 @@ from ...ground.notices import Notice, NoticeKind
 from ...ground.tolerances import RIGHT_ANGLE
 from ..connections import Bushing, Loop, LoopKind
 from ..flexible_joint import Motor
+from ..kinematics import directions_across
 from ..tangent import JointGear
 from .urdf import (
     HIDDEN,
@@ -344,8 +345,7 @@ def add_loop(joint: Joint, places: Mapping[str, Any], content: ModelFile) -> Non
 
 def _turned_to(direction: np.ndarray) -> np.ndarray:
     """A rotation that turns z to a direction."""
-    across = np.linalg.svd(direction[None])[2][1:]
-    rotation = np.column_stack([*across, direction])
+    rotation = np.column_stack([*directions_across(direction), direction])
     rotation[:, 0] *= np.sign(np.linalg.det(rotation))
     return rotation
 

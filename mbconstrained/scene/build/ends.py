@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...frequency.shock.extrema import extrema
+from ...frequency.extrema import extrema
 from ...ground.checks import counted
 from ...ground.coordinate_units import force_unit, rate_unit
 from ...ground.display import TextTable, number_text, with_unit

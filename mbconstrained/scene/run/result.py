@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from ...exchange.trajectories import Curves
-from ...frequency.shock.extrema import (
+from ...frequency.extrema import (
     Extrema,
     RootMeanSquares,
     extrema,

@@ -67,7 +67,7 @@ def constrained_model(rng, n=5):
     )
 
 
-@pytest.mark.parametrize("seed", some(4, 40))
+@pytest.mark.parametrize("seed", some(4, 16))
 def test_constrained_models_against_certified_quadrature(seed):
     """Massless nodes, redundant rows: three slopes of a spectrum, displacement and acceleration."""
     rng = np.random.default_rng(seed)

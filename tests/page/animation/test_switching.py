@@ -11,7 +11,7 @@ from mbconstrained.analyses.python_models import result_of
 from mbconstrained.page.animation import body_poses, key_frames
 from mbconstrained.page.figure import figure_data
 from mbconstrained.page.html import page_html
-from tests.page.contents import HOSTILE
+from tests.page.contents import HOSTILE, hermite
 from tests.page.switched_motions import ball, driveline, hanging, rattle, stick_slip
 
 LEVELS = {"open": 0, "closed": 2, "stuck": 2, "forward": 1, "backward": 1}
@@ -22,14 +22,6 @@ def animated(motion, **options):
     given = result_of(motion, **options).animation
     frames = key_frames(given)
     return given, frames, figure_data(given.drawing, [frames], given.overlay)
-
-
-def hermite(frames, time: float) -> np.ndarray:
-    """Cubic interpolation with both values and rates, as the page's script does it."""
-    k = int(np.clip(np.searchsorted(frames.times, time, side="right") - 1, 0, len(frames.times) - 2))
-    (a, b), (p, q), (v, w) = frames.times[k : k + 2], frames.values[:, k : k + 2].T, frames.rates[:, k : k + 2].T
-    s, h = (time - a) / (b - a), b - a
-    return (1 - s) ** 2 * (1 + 2 * s) * p + s**2 * (3 - 2 * s) * q + h * s * (1 - s) * ((1 - s) * v - s * w)
 
 
 @pytest.mark.parametrize("make, least", [(ball, 1e-12), (driveline, 1e-7), (stick_slip, 1e-5)])

@@ -5,6 +5,7 @@ import pytest
 
 from mbconstrained.analyses.python_models import result_of
 from tests.page.browser import needs_chromium
+from tests.page.plots.in_browser import number_of
 from tests.page.switched_motions import ball, driveline, hanging, rattle, stick_slip
 
 pytestmark = needs_chromium
@@ -55,9 +56,7 @@ def test_numbers_next_to_a_plot_are_the_solvers_on_both_sides_of_an_impact(brows
         browser.evaluate(f"mbconstrained.seek({time!r})")
         (place,), (speed,) = browser.evaluate(READ)
         for text, value in ((place, motion(time)[0]), (speed, motion.derivative(1)(time)[0])):
-            factor, _, power = text.split()[0].replace("−", "-").partition("·10")
-            exponent = int(power.translate(str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")) or 0)
-            assert float(factor) * 10.0**exponent == pytest.approx(value, rel=6e-4, abs=1e-7)
+            assert number_of(text) == pytest.approx(value, rel=6e-4, abs=1e-7)
 
 
 def test_a_row_of_the_table_of_events_sets_the_time_again_and_again(browser, tmp_path):

@@ -7,71 +7,29 @@ import pytest
 
 import mbconstrained as mb
 from mbconstrained.analyses.motion_plots import plots_of
+from mbconstrained.analyses.python_models import result_of
 from mbconstrained.page.content import RecordResponse, TimeFunctions
 from mbconstrained.page.plots import PlotFunctions
 from mbconstrained.page.readings import record_steps
-from mbconstrained.scene.run.scene import read_scene
 from tests.page.browser import needs_chromium
+from tests.page.plots.in_browser import number_of
 from tests.page.plots.pages import certain, functions_of_data
 
-STOREYS = """
-title = "A building under a record"
 
-[model]
-kind = "lumped"
-
-[[model.mass]]
-name = "low"
-mass = 1000
-
-[[model.mass]]
-name = "high"
-mass = 800
-
-[[model.node]]
-name = "soil"
-
-[[model.spring]]
-between = ["soil", "low"]
-stiffness = 8e5
-rest_length = 0
-
-[[model.damper]]
-between = ["soil", "low"]
-damping = 2000
-
-[[model.spring]]
-between = ["low", "high"]
-stiffness = 6e5
-rest_length = 0
-
-[[{table}]]
-coordinate = "{coordinate}"
-kind = "sampled"
-file = "record.csv"
-{level}
-
-[time]
-end = "{end} s"
-points = 101
-
-[output]
-animation = false
-plots = ["displacement", "velocity", "acceleration", "reaction", "energy"]
-"""
-
-
-def scene_with_record(folder, count, table, step=0.005):
+def result_under_record(count, table, step=0.005):
     """A building under a force or on a moving soil; the record ends before the time does."""
     record = np.random.default_rng(count).normal(size=count).cumsum()
     record -= np.linspace(record[0], record[-1], count)
-    np.savetxt(folder / "record.csv", np.column_stack([step * np.arange(count), record]), delimiter=",", header="t,a", comments="")
-    coordinate, level = ("soil", 'level = "acceleration"') if table == "motion" else ("high", "")
-    fixed = "" if table == "motion" else "[[model.constraint]]\nrows = { soil = 1 }\n"
-    text = STOREYS.format(table=table, coordinate=coordinate, level=level, end=step * count + 2)
-    path = folder / "scene.toml"
-    path.write_text(text.replace("[time]", fixed + "\n[time]"))
-    return read_scene(path)
+    model, signal = mb.LumpedModel(), mb.sampled(step * np.arange(count), record)
+    model.mass("low", 1000.0), model.mass("high", 800.0), model.node("soil")
+    model.spring("soil", "low", 8e5), model.damper("soil", "low", 2000.0), model.spring("low", "high", 6e5)
+    if table == "motion":
+        model.prescribe("soil", signal, level="acceleration")
+    else:
+        model.constrain({"soil": 1}), model.force("high", signal)
+    return result_of(
+        model.assemble().solve(), end=step * count + 2, plots=["displacement", "velocity", "acceleration", "reaction", "energy"]
+    )
 
 
 def readings_against_the_solver(plots, times):
@@ -95,8 +53,8 @@ def readings_against_the_solver(plots, times):
 
 @pytest.mark.long
 @pytest.mark.parametrize("table", ["force", "motion"])
-def test_readings_under_a_record_are_those_of_the_solver_with_three_digits(table, tmp_path):
-    plots = plots_of(scene_with_record(tmp_path, 3000, table).run())
+def test_readings_under_a_record_are_those_of_the_solver_with_three_digits(table):
+    plots = plots_of(result_under_record(3000, table))
     times = np.sort(np.random.default_rng(1).uniform(*plots[0].times[[0, -1]], 200))
     wrong, few, functions = readings_against_the_solver(plots, times)
     assert wrong == 0
@@ -148,7 +106,7 @@ def test_functions_that_do_not_follow_from_the_motion_are_stored_by_panels():
 
 @needs_chromium
 def test_the_script_steps_through_a_record(browser, tmp_path):
-    result = scene_with_record(tmp_path, 3000, "force").run()
+    result = result_under_record(3000, "force")
     page = result.write_page(tmp_path / "page.html")
     browser.size(1100, 900)
     browser.open(page)
@@ -162,8 +120,5 @@ def test_the_script_steps_through_a_record(browser, tmp_path):
         time = float(shown.removesuffix(" s"))
         for curve, text in zip(plots[0].curves, texts):
             source, row = curve.function
-            number, _, power = text.removesuffix(" m").replace("−", "-").partition("·10")
-            digits = "".join("-0123456789"["⁻⁰¹²³⁴⁵⁶⁷⁸⁹".index(sign)] for sign in power)
-            value = float(number) * 10.0 ** int(digits or 0)
-            assert value == pytest.approx(source.at(np.array([time]))[row, 0], rel=5.1e-3, abs=1e-12)
+            assert number_of(text) == pytest.approx(source.at(np.array([time]))[row, 0], rel=5.1e-3, abs=1e-12)
     assert browser.messages == []

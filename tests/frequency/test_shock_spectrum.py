@@ -9,8 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import mbconstrained as mb
-from mbconstrained.frequency.shock import response_spectrum
-from mbconstrained.frequency.shock.response_spectrum import Oscillator, ShockRecord
+from mbconstrained.frequency import shock_spectrum
+from mbconstrained.frequency.shock_spectrum import Oscillator, ShockRecord
 
 QUANTITIES = ("absolute acceleration", "relative displacement", "relative velocity")
 PARTS = ("primary_positive", "primary_negative", "residual_positive", "residual_negative")
@@ -63,15 +63,9 @@ def exact_half_sine(f, duration, z):
 
 @pytest.mark.parametrize("f", [10.0, 102.95755673125127, 526.646239348428])
 def test_half_sine(f):
-    """11 ms, Q = 10, as in the test standards: to rounding errors."""
+    """11 ms, Q = 10, as in the test standards: to rounding errors. The largest peak without damping is in the docstring."""
     spectrum = mb.shock_response_spectrum(half_sine(0.011), [f], quality_factor=10.0)
     assert np.isclose(spectrum.maximax[0], exact_half_sine(f, 0.011, 0.05), rtol=1e-13)
-
-
-def test_largest_peak_of_a_half_sine():
-    """1.7684576539936717823 at f T = 0.80993678585149450784, undamped (by differentiation of the closed form)."""
-    spectrum = mb.shock_response_spectrum(half_sine(1.0), [0.80993678585149450784], damping_ratio=0.0)
-    assert np.isclose(spectrum.maximax[0], 1.7684576539936717823, rtol=1e-14)
 
 
 @pytest.mark.parametrize("quantity", QUANTITIES)
@@ -140,19 +134,12 @@ def test_long_intervals_are_searched_at_their_ends(damping_ratio):
             assert np.isclose(getattr(one, part), getattr(other, part), rtol=1e-9, atol=1e-10 * other.maximax[0])
 
 
-def test_any_frequency_is_possible():
-    """A stiff oscillator follows the base; undamped it has at most twice the slope's jump over w."""
-    record = mb.sampled([0.0, 0.3, 1.0], [[0.0, 1.0, 0.0]])
-    assert np.allclose(mb.shock_response_spectrum(record, [1e7, 1e12], 0.05).maximax, 1.0, rtol=1e-6)
-    assert np.allclose(mb.shock_response_spectrum(record, [1e7, 1e12], 0.0).maximax, 1.0, rtol=1e-6)
-
-
 def test_limits():
-    """A stiff oscillator follows the base, a soft one stays; an uneven record is that polygon; Q = 1 / (2 zeta)."""
+    """A stiff oscillator follows the base, undamped too, a soft one stays; an uneven record is that polygon; Q = 1 / (2 zeta)."""
     times, values = np.array([0.0, 0.3, 0.35, 1.0]), np.array([[0.0, 1.0, -2.0, 0.0]])
     record = mb.sampled(times, values)
-    stiff = mb.shock_response_spectrum(record, [1e4], 0.5)
-    assert np.isclose(stiff.maximax[0], 2.0, rtol=1e-2)
+    for damping_ratio in (0.0, 0.05):
+        assert np.allclose(mb.shock_response_spectrum(record, [1e7, 1e12], damping_ratio).maximax, 2.0, rtol=1e-6)
     soft = mb.shock_response_spectrum(record, [1e-4], 0.05, "relative displacement")
     t = np.linspace(0, 1, 20001)
     velocity = np.cumsum(np.interp(t, times, values[0])) * t[1]
@@ -301,7 +288,7 @@ def test_many_oscillators_have_the_peaks_of_each(monkeypatch, is_even, damping_r
     for quantity in QUANTITIES:
         each = [mb.shock_response_spectrum(record, [one], damping_ratio, quantity) for one in f]
         for together in (1, 1 << 17):
-            monkeypatch.setattr(response_spectrum, "ALL_TOGETHER", together)
+            monkeypatch.setattr(shock_spectrum, "ALL_TOGETHER", together)
             whole = mb.shock_response_spectrum(record, f, damping_ratio, quantity)
             for part in PARTS:
                 own = np.array([getattr(one, part)[0] for one in each])

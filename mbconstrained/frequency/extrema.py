@@ -17,13 +17,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...ground.errors import InputError, Overflow
-from ...ground.tolerances import EPS, EXTREMA_ACCURACY, ROUGH_PART, VISIBLE_PART
-from ...linalg.blocks import block_slices
-from ...linalg.exponential import block_states
-from ...linalg.scaling import balanced
-from ...signals.bohl import BohlFunction
-from ...signals.inputs import step
+from ..ground.errors import InputError, Overflow
+from ..ground.tolerances import EPS, EXTREMA_ACCURACY, ROUGH_PART, VISIBLE_PART
+from ..linalg.blocks import block_slices
+from ..linalg.exponential import block_states
+from ..linalg.scaling import balanced
+from ..signals.bohl import BohlFunction
+from ..signals.inputs import step
 
 #: Most steps that refine the time of an extremum.
 STEPS = 60

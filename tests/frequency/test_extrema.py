@@ -5,7 +5,7 @@ import pytest
 from scipy.optimize import minimize_scalar
 
 import mbconstrained as mb
-from mbconstrained.frequency.shock.extrema import EXTREMA_ACCURACY, extrema, positive_times, root_mean_squares, sampled_extrema
+from mbconstrained.frequency.extrema import EXTREMA_ACCURACY, extrema, positive_times, root_mean_squares, sampled_extrema
 from mbconstrained.ground.errors import InputError
 from mbconstrained.signals.bohl import BohlFunction
 from mbconstrained.signals.inputs import harmonic, sampled

@@ -12,16 +12,16 @@ from typing import Any
 import numpy as np
 import scipy
 
-from ...ground.by_name import answering
-from ...ground.checks import check_known, counted, optional_package, real_array, real_number
-from ...ground.display import Pictured
-from ...ground.errors import InputError
-from ...ground.notices import Notice, NoticeKind
-from ...ground.tolerances import EPS, STEP_AGREEMENT
-from ...polynomial.polynomial_matrix import PolynomialMatrix
-from ...response.solve import solve
-from ...signals.bohl import BohlFunction
-from ...signals.impulsive import ExactRecord, ImpulsiveSmooth
+from ..ground.by_name import answering
+from ..ground.checks import check_known, counted, optional_package, real_array, real_number
+from ..ground.display import Pictured
+from ..ground.errors import InputError
+from ..ground.notices import Notice, NoticeKind
+from ..ground.tolerances import EPS, STEP_AGREEMENT
+from ..polynomial.polynomial_matrix import PolynomialMatrix
+from ..response.solve import solve
+from ..signals.bohl import BohlFunction
+from ..signals.impulsive import ExactRecord, ImpulsiveSmooth
 from .extrema import extrema, falling_root
 
 # Response of an oscillator to a record: y'' + 2 z w y' + w^2 y = a(t), a linear between samples, exact at all times.

@@ -1,1 +1,0 @@
-"""Shock: peaks of functions of time (``extrema``), and shock response spectra (``response_spectrum``)."""
