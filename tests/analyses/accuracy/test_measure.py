@@ -37,7 +37,7 @@ def few_repeats(monkeypatch):
 
 def test_median_and_quartiles():
     repeats = Timing((4.0, 1.0, 2.0, 3.0, 100.0))
-    assert repeats.median == 3.0 and timing.quartiles == (2.0, 4.0)
+    assert repeats.median == 3.0 and repeats.quartiles == (2.0, 4.0)
     assert repeats.to_dict() == {"median": 3.0, "lower_quartile": 2.0, "upper_quartile": 4.0, "repeats": 5}
     assert Timing((2.0,)).quartiles == (2.0, 2.0)
 
