@@ -7,9 +7,10 @@ An input that is late by m steps and a part rho of a step switches within the st
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cache
 from typing import Literal, TypeAlias
 
 import flint
@@ -43,16 +44,20 @@ class DiscretizedSystem:
     notices: tuple[Notice, ...] = ()
 
 
+#: Phi, Gamma_1 and Gamma_2.
+Exponentials: TypeAlias = tuple[flint.arb_mat, flint.arb_mat, flint.arb_mat]
+
+
 @dataclass(frozen=True)
 class _Continuous:
-    """A, B, C, D in balls, of one input where B and D have one column."""
+    """A, B, C, D in balls."""
 
     A: flint.arb_mat
     B: flint.arb_mat
     C: flint.arb_mat
     D: flint.arb_mat
 
-    def exponentials(self, time: Fraction) -> tuple[flint.arb_mat, flint.arb_mat, flint.arb_mat]:
+    def exponentials(self, time: Fraction) -> Exponentials:
         """Phi, Gamma_1 and Gamma_2 after a time."""
         n, p = self.A.nrows(), self.B.ncols()
         size = n + 2 * p
@@ -62,7 +67,7 @@ class _Continuous:
             table[i][: n + p] = [entry * t for entry in (*own, *driven)]
         for j in range(p):
             table[n + j][n + p + j] = t
-        if size > LARGEST_BALLS:
+        if n > LARGEST_BALLS:
             result = scipy.linalg.expm(np.array([[float(entry.mid()) for entry in row] for row in table]))
             rows = [[flint.arb(entry) for entry in row] for row in result[:n].tolist()]
         else:
@@ -70,11 +75,6 @@ class _Continuous:
         ends = ((0, n), (n, n + p), (n + p, size))
         Phi, G1, G2 = (flint.arb_mat(n, end - begin, [v for row in rows for v in row[begin:end]]) for begin, end in ends)
         return Phi, G1, G2
-
-    def column(self, j: int) -> _Continuous:
-        """The system with one of its inputs."""
-        B, D = (flint.arb_mat(m.nrows(), 1, [m[i, j] for i in range(m.nrows())]) for m in (self.B, self.D))
-        return _Continuous(self.A, B, self.C, D)
 
 
 def discretized(
@@ -84,15 +84,15 @@ def discretized(
     with working_precision(BITS):
         system = _Continuous(*_in_balls(A, B, descriptor), *map(_balls, (C, D)))
         slopes = _balls(slopes) * (1 / _ball(step))
-        Phi, *_ = _Continuous(system.A, flint.arb_mat(len(A), 0), system.C, system.D).exponentials(step)
+        exponentials = cache(system.exponentials)
+        Phi, *_ = exponentials(step)
         columns, memories, counts = [], [], []
         for j, delay in enumerate(delays):
             count, rho = divmod(delay, step)
             if min(rho, step - rho) < step * SAME_SAMPLE:
                 count, rho = round(delay / step), Fraction(0)
-            before, now, after, direct_before, direct_now = _pieces(system.column(j), rho, step, hold)
-            follow = flint.arb_mat(slopes.nrows(), 1, [slopes[i, j] for i in range(slopes.nrows())])
-            direct_before, direct_now = direct_before - follow, direct_now + follow
+            before, now, after, direct_before, direct_now = _pieces(system, exponentials, j, rho, step, hold)
+            direct_before, direct_now = direct_before - _column(slopes, j), direct_now + _column(slopes, j)
             columns.append([_floats(m) for m in (before, Phi * after + now, after, direct_before, system.C * after + direct_now)])
             memories.append(bool(columns[-1][0].any() or columns[-1][3].any()))
             counts.append(int(count))
@@ -112,18 +112,20 @@ def _in_balls(A, B, descriptor) -> tuple[flint.arb_mat, flint.arb_mat]:
     return states, inputs
 
 
-def _pieces(one: _Continuous, rho: Fraction, step: Fraction, hold: Hold) -> tuple[flint.arb_mat, ...]:
-    """The factors of u_(k-1), u_k and u_(k+1) in x_(k+1), then of u_(k-1) and u_k in y_k, of an input late by rho."""
-    share, h = _ball(rho / step), _ball(step)
-    nothing, none = flint.arb_mat(one.A.nrows(), 1), flint.arb_mat(one.D.nrows(), 1)
-    Phi, G1, G2 = one.exponentials(step - rho)
-    _, F1, F2 = one.exponentials(rho)
+def _pieces(
+    system: _Continuous, exponentials: Callable[[Fraction], Exponentials], j: int, rho: Fraction, step: Fraction, hold: Hold
+) -> tuple[flint.arb_mat, ...]:
+    """The factors of u_(k-1), u_k and u_(k+1) in x_(k+1), then of u_(k-1) and u_k in y_k, of the input j late by rho."""
+    share, h, B, D = _ball(rho / step), _ball(step), _column(system.B, j), _column(system.D, j)
+    nothing, none = flint.arb_mat(B.nrows(), 1), flint.arb_mat(D.nrows(), 1)
+    (Phi, *late), (_, *early) = exponentials(step - rho), exponentials(rho)
+    G1, G2, F1, F2 = (_column(matrix, j) for matrix in (*late, *early))
     if hold == 0:
-        return Phi * F1, G1, nothing, one.D if rho else none, none if rho else one.D
+        return Phi * F1, G1, nothing, D if rho else none, none if rho else D
     if hold == 1:
         first, second = F1 * share - F2 * (1 / h), F1 * (1 - share) + F2 * (1 / h)
-        return Phi * first, G1 - G2 * (1 / h) + Phi * second, G2 * (1 / h), one.D * share, one.D * (1 - share)
-    return nothing, Phi * one.B, nothing, none, none if rho else one.C * one.B
+        return Phi * first, G1 - G2 * (1 / h) + Phi * second, G2 * (1 / h), D * share, D * (1 - share)
+    return nothing, Phi * B, nothing, none, none if rho else system.C * B
 
 
 def _joined(Phi, C, columns, memories: Sequence[bool], counts: Sequence[int]) -> DiscretizedSystem:
@@ -147,6 +149,10 @@ def _joined(Phi, C, columns, memories: Sequence[bool], counts: Sequence[int]) ->
             into[place + count, at] = 1.0
             A[:n, place + count], outputs[:, place + count] = before[:, 0], direct_before[:, 0]
     return DiscretizedSystem(A, B, outputs, D, np.eye(n), start_input, tuple(delayed))
+
+
+def _column(matrix: flint.arb_mat, j: int) -> flint.arb_mat:
+    return flint.arb_mat(matrix.nrows(), 1, [matrix[i, j] for i in range(matrix.nrows())])
 
 
 def _ball(number: Fraction) -> flint.arb:
