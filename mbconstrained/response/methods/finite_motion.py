@@ -31,6 +31,9 @@ FEW_KNOTS = 64
 #: The length of the first moments of a force that begins after t = 0, times the largest rate.
 EARLY = 2.0
 
+#: So many equations of a block and a part of the force are solved as one linear system.
+FEW_EQUATIONS = 8
+
 #: Gaps between knots are few where there are so many times more of them than lengths of them and states of the force.
 FEW_GAPS = 4
 
@@ -188,9 +191,9 @@ def _separated(free: BlockDiagonal, driven: Driven, forcing, limit) -> tuple[np.
     starts = [of.start for of in outer]
     for own, T in zip(block_slices(free.blocks), free.blocks):
         if len(outer) > 1:  # all at once, where that is possible
-            solution, scale, info = lapack.dtrsyl(T, generator, -excitation[own], isgn=-1)
+            solution = _at_once(T, forcing, generator, excitation[own])
             largest, given = (np.maximum.reduceat(np.abs(part).max(axis=0), starts) for part in (solution, excitation[own]))
-            if info == 0 and scale == 1 and (largest <= limit * given).all():
+            if (largest <= limit * given).all():
                 X[own] = solution
                 separated += [(own, of, T, excitation[own, of], generator[of, of]) for of, size in zip(outer, given) if size]
                 continue
@@ -203,6 +206,26 @@ def _separated(free: BlockDiagonal, driven: Driven, forcing, limit) -> tuple[np.
                     X[own, of] = solution / scale
                 (separated if separable else coupled).append((own, of, T, D, J))
     return X, coupled, separated
+
+
+def _at_once(T: np.ndarray, forcing, generator: np.ndarray, D: np.ndarray) -> np.ndarray:
+    """X of T X - X J = -D for all blocks of J, not finite where that is singular: small blocks as one stack of linear systems for each size."""
+    n, width = len(T), max(map(len, forcing))
+    if n * width > FEW_EQUATIONS:
+        solution, scale, info = lapack.dtrsyl(T, generator, -D, isgn=-1)
+        return solution if info == 0 and scale == 1 else np.full(D.shape, np.inf)
+    X = np.empty(D.shape)
+    for size in {len(J) for J in forcing}:
+        at = np.array([range(of.start, of.stop) for of in block_slices(forcing) if of.stop - of.start == size])
+        J = generator[at[:, None, :], at[:, :, None]]  # transposed
+        system = np.eye(size)[:, None, :, None] * T[:, None, :] - J[:, :, None, :, None] * np.eye(n)[:, None, :]
+        right = -D[:, at].transpose(1, 2, 0).reshape(len(at), size * n, 1)
+        try:
+            solution = np.linalg.solve(system.reshape(len(at), size * n, size * n), right)
+        except np.linalg.LinAlgError:
+            return np.full(D.shape, np.inf)
+        X[:, at] = solution.reshape(len(at), size, n).transpose(2, 0, 1)
+    return X
 
 
 def _coupled(own, of_force, T, D, J) -> _Coupled:
