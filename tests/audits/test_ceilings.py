@@ -36,7 +36,7 @@ LINES = {
     "models": 1974,
     "page": 5386,
     "polynomial": 3778,
-    "response": 8309,
+    "response": 8332,
     "robot": 9317,
     "scene": 11375,
     "signals": 1973,
