@@ -201,8 +201,8 @@ class DiscreteRunAnswer(RunAnswer):
         u, time = _forces(self.scene.equations), self.scene.table.time
         ends = u(time.step * np.arange(self.numbers[-1] + 1))
         middle = u(time.step * (np.arange(self.numbers[-1]) + 0.5))
-        held = (ends[:, :-1] + ends[:, 1:]) / 2 if time.hold else ends[:, :-1]
-        deviation = np.abs(middle - held).max(axis=1, initial=0.0)
+        by_hold = (ends[:, :-1] + ends[:, 1:]) / 2 if time.hold else ends[:, :-1]
+        deviation = np.abs(middle - by_hold).max(axis=1, initial=0.0)
         size = np.maximum(np.abs(ends).max(axis=1), np.abs(middle).max(axis=1, initial=0.0))
         part = np.divide(deviation, size, out=np.zeros(len(size)), where=size > 0)
         if part.max(initial=0.0) > SAME_HOLD:

@@ -17,7 +17,7 @@ import sys
 import tempfile
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import chdir, redirect_stderr, redirect_stdout
-from doctest import DocTestParser
+from doctest import DocTestParser, DocTestRunner
 from pathlib import Path
 from unittest.mock import patch
 
@@ -95,12 +95,22 @@ def _execute(text: str) -> None:
     """Run the blocks of Python of a page; the same plot is the same file at any time."""
     from ..page.plots import page_style
 
-    names: dict[str, object] = {}
+    examples = DocTestParser().get_doctest(text, {}, "page", None, 0)
     style: dict[str, object] = {"figure.figsize": (7.0, 3.0), "figure.constrained_layout.use": True, "text.parse_math": True}
     undated = patch.dict(os.environ, SOURCE_DATE_EPOCH="0")
     with page_style(**style), undated, redirect_stdout(io.StringIO()):
-        for example in DocTestParser().get_examples(text):
-            exec(example.source, names)
+        _PageRunner().run(examples)
+
+
+class _PageRunner(DocTestRunner):
+    """Runs the code of a page; what it prints is compared by the tests of the documentation."""
+
+    def report_failure(self, *_) -> None:
+        """Nothing."""
+
+    def report_unexpected_exception(self, out, test, example, exc_info) -> None:
+        """Raise the exception."""
+        raise exc_info[1]
 
 
 def _small(content: bytes) -> bytes:
