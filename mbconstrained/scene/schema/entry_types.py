@@ -58,6 +58,11 @@ class Table(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True, arbitrary_types_allowed=True, defer_build=True)
 
+    @classmethod
+    def __get_pydantic_json_schema__(cls, core_schema, handler):
+        cls.model_rebuild()  # a default of this class is written by its serializer, which earlier versions do not build themselves
+        return handler(core_schema)
+
     @model_validator(mode="before")
     @classmethod
     def _only_known_keys(cls, data):
