@@ -28,7 +28,7 @@ from ..mechanics.harmonic_response import frequency_response
 from ..mechanics.modes import Modes
 from ..mechanics.motion import Motion
 from ..mechanics.root_locus import RootLocus
-from ..mechanics.switched.switched_motion import SwitchedMotion
+from ..mechanics.switched import is_switched
 from ..page.content import Curve, Plot, Scale, curve_with_gaps
 from ..page.plots import axis_titles, image_groups, new_axes, plot_image
 from ..response.response import Response
@@ -75,7 +75,7 @@ def result_of(
     for kind in plots:
         check_known(kind, KINDS, "plots")
     last = _last_time(motion) if end is None else real_number(end, "end", positive=True)
-    if isinstance(motion, SwitchedMotion) and last > motion.end:
+    if is_switched(motion) and last > motion.end:
         raise InputError(f"end: found {last:g} s; the motion is known up to {motion.end:g} s: solve it with a later end")
     times = TimeTable.model_construct(
         end=last,
@@ -138,7 +138,7 @@ def _robot_scene(system: EquationsOfMotion | None) -> RobotScene | None:
 
 def _last_time(motion: Response) -> float:
     """The end of a switched motion; else some periods of the slowest oscillation, or time constants of the slowest decay, after the last restart of the force."""
-    if isinstance(motion, SwitchedMotion):
+    if is_switched(motion):
         return motion.end
     zeros = np.array([zero.value for zero in motion.pairs.finite.zeros] or [0.0], dtype=complex)
     oscillating, decaying = np.abs(zeros[zeros.imag > 0]), -zeros[(zeros.imag == 0) & (zeros.real < 0)].real

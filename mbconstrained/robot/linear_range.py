@@ -15,7 +15,7 @@ import copy
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
-from typing import TYPE_CHECKING, TypeGuard
+from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.linalg import null_space
@@ -25,6 +25,7 @@ from ..ground.display import Displayed
 from ..ground.errors import InputError
 from ..ground.notices import Notice, NoticeKind
 from ..ground.tolerances import DIFFERENCED, EPS, LOOPS_CLOSED_AS_ROUNDED, MUJOCO_RATE, MUJOCO_STEP, NOISE_SAFETY, SAME_AS_MUJOCO
+from ..mechanics.switched import is_switched
 from .description.mjcf import MOST_NAMED, quaternion_places, quiet, read_mjcf
 from .posture_search import attached_load
 from .robot_model import RobotModel
@@ -34,7 +35,6 @@ from .switching import Grip, grip_notices
 if TYPE_CHECKING:
     from ..mechanics.equations import EquationsOfMotion
     from ..mechanics.motion import Motion
-    from ..mechanics.switched.switched_motion import SwitchedMotion
 
 #: The relative error of the forces from which a motion is said to leave the linear range.
 LARGEST_DEVIATION = 0.1
@@ -122,20 +122,15 @@ def range_notices(motion: Motion, posture: Posture, grips: Sequence[Grip]) -> tu
     """Notices on a motion beyond the linear range; of a switched robot, also how far it is from that, and feet that slip."""
     ranges = [one.linear_range() for one in _deviations(motion, posture, None)[:MOST_PHASES]]
     notices = tuple(notice for one in ranges for notice in one.notices)
-    if not _is_switched(motion):
+    if not is_switched(motion):
         return notices
     text = f"all contacts keep their directions, as motions are small about the posture; {ranges[0].text}"
     return (*(notices or (Notice(NoticeKind.SWITCH, text),)), *grip_notices(grips, motion))
 
 
-def _is_switched(motion: Motion) -> TypeGuard[SwitchedMotion]:
-    """Whether the motion has phases; their module is not imported for robots without switches."""
-    return hasattr(motion, "phases")
-
-
 def _deviations(motion: Motion, posture: Posture, times) -> list[_Deviation]:
     """The deviation in each phase, the largest first; one of a motion without phases."""
-    if not _is_switched(motion):
+    if not is_switched(motion):
         times = _horizon(motion) if times is None else np.atleast_1d(np.asarray(times, dtype=float))
         return [_Deviation(motion, posture, times, motion.system, 0.0)]
     if times is None:

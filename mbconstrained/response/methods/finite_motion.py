@@ -191,7 +191,7 @@ def _separated(free: BlockDiagonal, driven: Driven, forcing, limit) -> tuple[np.
     starts = [of.start for of in outer]
     for own, T in zip(block_slices(free.blocks), free.blocks):
         if len(outer) > 1:  # all at once, where that is possible
-            solution = _at_once(T, forcing, generator, excitation[own])
+            solution = _at_once(T, outer, generator, excitation[own])
             largest, given = (np.maximum.reduceat(np.abs(part).max(axis=0), starts) for part in (solution, excitation[own]))
             if (largest <= limit * given).all():
                 X[own] = solution
@@ -208,15 +208,15 @@ def _separated(free: BlockDiagonal, driven: Driven, forcing, limit) -> tuple[np.
     return X, coupled, separated
 
 
-def _at_once(T: np.ndarray, forcing, generator: np.ndarray, D: np.ndarray) -> np.ndarray:
-    """X of T X - X J = -D for all blocks of J, not finite where that is singular: small blocks as one stack of linear systems for each size."""
-    n, width = len(T), max(map(len, forcing))
-    if n * width > FEW_EQUATIONS:
+def _at_once(T: np.ndarray, outer: list[slice], generator: np.ndarray, D: np.ndarray) -> np.ndarray:
+    """X of T X - X J = -D for all blocks of J, at these places, not finite where that is singular: small blocks as one stack of linear systems for each size."""
+    n, sizes = len(T), {of.stop - of.start for of in outer}
+    if n * max(sizes) > FEW_EQUATIONS:
         solution, scale, info = lapack.dtrsyl(T, generator, -D, isgn=-1)
         return solution if info == 0 and scale == 1 else np.full(D.shape, np.inf)
     X = np.empty(D.shape)
-    for size in {len(J) for J in forcing}:
-        at = np.array([range(of.start, of.stop) for of in block_slices(forcing) if of.stop - of.start == size])
+    for size in sizes:
+        at = np.array([range(of.start, of.stop) for of in outer if of.stop - of.start == size])
         J = generator[at[:, None, :], at[:, :, None]]  # transposed
         system = np.eye(size)[:, None, :, None] * T[:, None, :] - J[:, :, None, :, None] * np.eye(n)[:, None, :]
         right = -D[:, at].transpose(1, 2, 0).reshape(len(at), size * n, 1)

@@ -30,6 +30,7 @@ from ...mechanics.boundary import BoundaryResponse
 from ...mechanics.channels import Output, OutputNames, closed_form
 from ...mechanics.modes import Conservation, Mode, Modes, cleaned, kind_of
 from ...mechanics.motion import DELTAS
+from ...mechanics.switched import is_switched
 from ...polynomial.reduced_equations import Reduction
 from ...response.estimate import error_estimate
 from ...response.events import Event
@@ -422,7 +423,7 @@ class Result:
     @property
     def is_switched(self) -> bool:
         """Whether the motion has phases with equations of their own."""
-        return hasattr(self.motion, "phases")
+        return is_switched(self.motion)
 
     def jordan_pairs(self) -> JordanPairs:
         """The pairs (C, J, B) of the finite zeros and of those at infinity."""

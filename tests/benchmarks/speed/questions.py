@@ -226,7 +226,10 @@ def exact_referee(digits: int) -> tuple[Work, Work]:
     from tests.oracles.referee import NAMES, case
 
     problems = [case(name) for name in NAMES if not name.startswith("rot_")]
-    given = lambda: ((one, mb.PolynomialMatrix(one.coefficients)) for one in problems)  # noqa: E731
+
+    def given():
+        return ((one, mb.PolynomialMatrix(one.coefficients)) for one in problems)
+
     return (
         lambda: [exact_response(A, one.initial, one.force).enclose(one.times, digits) for one, A in given()],
         lambda: [mb.solve(A, one.initial, one.force)(one.times) for one, A in given()],
