@@ -117,7 +117,9 @@ class ProvedFunction(BohlFunction):
         if not refining:
             doubtful = self._begun(values, errors, times, doubtful)
         if len(doubtful) and self.refined is not None and self.refined.refined is not None:
-            better, bound = self._by_refined_modes(times[doubtful], self.refined.doubled if often else self.refined.proved, accuracy)
+            better, bound = self._by_refined_modes(
+                times[doubtful], self.refined.doubled if often else self.refined.proved, accuracy
+            )
             sure = are_right(better, bound)
             values[:, doubtful[sure]], errors[doubtful[sure]] = better[:, sure], bound[sure]
             doubtful = doubtful[~sure]
