@@ -28,7 +28,7 @@ LINES = {
     "control": 2480,
     "docs": 498,
     "exact": 7336,
-    "exchange": 1744,
+    "exchange": 1792,
     "frequency": 6094,
     "ground": 2500,
     "linalg": 5186,
