@@ -184,7 +184,8 @@ class Response(Exported, Presented, Pictured):
     @cached_property
     def _doubts(self) -> tuple[Notice, ...]:
         """Equations and values at 0+ that the float64 solution satisfies to less than half of the digits."""
-        return tuple(unsatisfied(self))
+        bounded = isinstance(self.function, ProvedFunction) and self.function.is_bounded
+        return () if bounded else tuple(unsatisfied(self))
 
     @cached_property
     def _is_decided_exactly(self) -> bool:
