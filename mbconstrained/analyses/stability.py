@@ -38,8 +38,8 @@ from .study_problem import StudyProblem, again, chosen_places, fractions_of, giv
 from .timing import Progress, machine, no_progress
 
 if TYPE_CHECKING:
-    from .gallery import System
     from ..response.response import Response
+    from .gallery import System
 
 #: A scene is scaled by factors from 10^-DECADES to 10^DECADES, in steps of so many decades.
 DECADES, STEP = 8, 2
