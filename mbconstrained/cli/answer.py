@@ -139,7 +139,7 @@ def setting(text: str, option: str = "--set") -> tuple[str, Any]:
     >>> setting("k=3 N/mm")
     ('k', '3 N/mm')
     """
-    from ..scene.quantities.settings import value_of
+    from ..scene.file import value_of
 
     name, equals, value = (part.strip() for part in text.partition("="))
     if not (name and equals and value):
@@ -219,7 +219,9 @@ def show(json: bool, data: Callable[[], dict], blocks: Callable[[], Sequence[str
         from ..ground.display import TextTable, table_text, wrapped
 
         width = line_width()
-        show_text("\n\n".join(table_text(each, width) if isinstance(each, TextTable) else wrapped(each, width) for each in blocks()))
+        show_text(
+            "\n\n".join(table_text(each, width) if isinstance(each, TextTable) else wrapped(each, width) for each in blocks())
+        )
 
 
 def line_width() -> int:
