@@ -19,11 +19,11 @@ import numpy as np
 from ..frequency.frequency_response import FrequencyResponse, evaluated
 from ..frequency.harmonic import Harmonic
 from ..ground.checks import check_known, counted, nearest, real_array, real_number, whole_number
-from ..ground.coordinate_units import force_unit, rate_unit, ratio_unit
 from ..ground.display import Displayed, TextTable, number_text
 from ..ground.errors import InputError
 from ..ground.named_arrays import named_array
 from ..ground.tolerances import EPS, SAME_FREQUENCY
+from ..ground.units import force_unit, rate_unit, ratio_unit
 from ..linalg.arrays import full
 from ..polynomial.delayed_terms import DelayedTerm
 from ..polynomial.polynomial_matrix import PolynomialMatrix

@@ -361,11 +361,12 @@ class Response(Exported, Presented, Pictured):
         """The exact solution for the same data taken as exact numbers: impulses, values at 0+, intervals."""
         if delayed := self.problem.delayed:
             from ..exact.enclosure.delayed_response import ExactDelayedResponse
+            from ..exact.enclosure.exact_sources import sources_of
             from ..exact.rational import regular_matrix
             from .methods.method_of_steps import past_force
 
             force = self.force + past_force(delayed, self.problem.past, self.polynomial_matrix.size)
-            return ExactDelayedResponse(regular_matrix(self.polynomial_matrix), delayed, self.initial, force)
+            return ExactDelayedResponse(regular_matrix(self.polynomial_matrix), self.initial, sources_of(force), terms=delayed)
         from ..exact.enclosure.exact_response import exact_response
 
         return exact_response(self.polynomial_matrix, self.initial, self.force)
