@@ -219,7 +219,9 @@ def show(json: bool, data: Callable[[], dict], blocks: Callable[[], Sequence[str
         from ..ground.display import TextTable, table_text, wrapped
 
         width = line_width()
-        show_text("\n\n".join(table_text(each, width) if isinstance(each, TextTable) else wrapped(each, width) for each in blocks()))
+        show_text(
+            "\n\n".join(table_text(each, width) if isinstance(each, TextTable) else wrapped(each, width) for each in blocks())
+        )
 
 
 def line_width() -> int:
