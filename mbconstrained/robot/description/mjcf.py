@@ -522,8 +522,8 @@ class _Reader:
         if self.places[first][0] == self.places[second][0]:  # one rigid body, in which a closed loop is without effect
             one, other = (self.places[body][1] * pinocchio.SE3(*end) for body, *end in zip((first, second), frames, points))
             gap = one.inverse() * other
-            turn = float(np.linalg.norm(pinocchio.log3(gap.rotation))) * (kind == "WELD" and data[10] > 0)
-            if max(np.linalg.norm(gap.translation), turn) > LOOPS_CLOSED_AS_ROUNDED:
+            turn = float(np.linalg.norm(pinocchio.log3(gap.rotation))) * bool(kind == "WELD" and data[10])
+            if max(float(np.linalg.norm(gap.translation)), turn) > LOOPS_CLOSED_AS_ROUNDED:
                 what = f'the equality "{short(name)}"' if name else f"equality {number + 1}"
                 bodies = " and ".join(f'"{short(self._body(body))}"' for body in (first, second))
                 raise InputError(
