@@ -66,7 +66,7 @@ def minimal_basis(matrix: RationalMatrix) -> list[np.ndarray]:
             reduced, _, rank = flint.fmpz_mat(candidates).transpose().rref()
             basis += [candidates[j] for j in pivots(reduced, rank) if j >= len(shifts)]
         degree += 1
-    return [np.array([Fraction(int(c)) for c in vector], dtype=object).reshape(-1, n) for vector in basis]
+    return [_fractions(vector).reshape(-1, n) for vector in basis]
 
 
 def _toeplitz(coefficients: list[flint.fmpz_mat], degree: int) -> flint.fmpz_mat:
@@ -113,15 +113,12 @@ def whole_basis(matrix: RationalMatrix) -> list[np.ndarray]:
 
 def _null_space(matrix: np.ndarray) -> list[np.ndarray]:
     """A basis of the null space, vectors of whole numbers without a common divisor."""
-    reduced, rank = rational_matrix(matrix).rref()
-    places, basis = pivots(reduced, rank), []
-    for free in (column for column in range(matrix.shape[1]) if column not in places):
-        vector = np.full(matrix.shape[1], Fraction(0), dtype=object)
-        vector[free] = Fraction(1)
-        for row, pivot in enumerate(places):
-            vector[pivot] = -fraction(reduced[row, free])
-        basis.append(whole(vector))
-    return basis
+    null, nullity = rational_matrix(matrix).numer_denom()[0].nullspace()
+    return [whole(_fractions(vector)) for vector in null.transpose().tolist()[:nullity]]
+
+
+def _fractions(vector: Sequence[flint.fmpz]) -> np.ndarray:
+    return np.array([Fraction(int(c)) for c in vector], dtype=object)
 
 
 def whole(vector: np.ndarray) -> np.ndarray:

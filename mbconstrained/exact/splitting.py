@@ -29,18 +29,11 @@ class Branch:
 
 @dataclass(frozen=True)
 class Splitting:
-    """Branches of a multiple eigenvalue.
+    """Branches of a multiple eigenvalue."""
 
-    Attributes:
-        eigenvalue: s, refined.
-        branches: as many branches as the multiplicity.
-        is_exact: whether the given numbers, taken as exact, have this multiple eigenvalue; False where rounding errors of them
-            separate its parts.
-    """
-
-    eigenvalue: complex
-    branches: tuple[Branch, ...]
-    is_exact: bool
+    eigenvalue: complex  # s, refined
+    branches: tuple[Branch, ...]  # as many as the multiplicity
+    is_exact: bool  # whether the given numbers have this multiple eigenvalue; False where rounding errors separate its parts
 
 
 def splitting(base: Sequence, slope: Sequence, value: complex, multiplicity: int, rate: float, step: float) -> Splitting:

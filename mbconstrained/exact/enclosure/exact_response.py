@@ -77,14 +77,12 @@ ZERO = flint.fmpq(0)
 
 
 class Inverse(Protocol):
-    """A(s)^-1 as numerators over a determinant."""
+    """A(s)^-1 b as ``numerators(b)`` over a determinant."""
 
     @property
-    def determinant(self) -> flint.fmpq_poly:
-        """The denominator."""
+    def determinant(self) -> flint.fmpq_poly: ...
 
-    def numerators(self, b: Sequence[flint.fmpq_poly]) -> list[flint.fmpq_poly]:
-        """A(s)^-1 b times the denominator."""
+    def numerators(self, b: Sequence[flint.fmpq_poly]) -> list[flint.fmpq_poly]: ...
 
 
 class RationalResponse:
@@ -191,12 +189,12 @@ def _partial_fractions(factors, denominator: flint.fmpz_poly, numerators: Sequen
     return poles
 
 
-class Begun:
-    """The sum of the responses that have begun by a time, polynomials in t and sums of modes about t = 0, in ``size`` rows, at the working precision.
+# A later call is moved to t = 0 once, (t - b)^k e^(z (t - b)) being e^(-z b) times a sum of powers of t times e^(z t): at each time every mode
+# has one exponential, however many calls there are. What is rational is summed exactly, so that it cancels exactly.
 
-    A later call is moved to t = 0 once, (t - b)^k e^(z (t - b)) being e^(-z b) times a sum of powers of t times e^(z t): at each time every mode has one
-    exponential, however many calls there are. What is rational is summed exactly, so that it cancels exactly.
-    """
+
+class Begun:
+    """The sum of the responses that have begun by a time, polynomials in t and sums of modes about t = 0, in ``size`` rows."""
 
     def __init__(self, size: int):
         self.size = size
