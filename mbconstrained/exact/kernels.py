@@ -71,13 +71,12 @@ def minimal_basis(matrix: RationalMatrix) -> list[np.ndarray]:
 
 def _toeplitz(coefficients: list[flint.fmpz_mat], degree: int) -> flint.fmpz_mat:
     """The matrix of the coefficients of A(s) v(s) as functions of those of a v(s) of this degree."""
-    (m, n), q = (coefficients[0].nrows(), coefficients[0].ncols()), len(coefficients) - 1
-    rows: list[list] = [[0] * ((degree + 1) * n) for _ in range((q + degree + 1) * m)]
+    m, n, count = coefficients[0].nrows(), coefficients[0].ncols(), degree + 1
+    total = np.zeros(((len(coefficients) + degree) * m, count * n), dtype=object)
     for power, matrix in enumerate(coefficients):
-        for k in range(degree + 1):
-            for i, row in enumerate(matrix.tolist()):
-                rows[(power + k) * m + i][k * n : (k + 1) * n] = row
-    return flint.fmpz_mat(len(rows), (degree + 1) * n, [entry for row in rows for entry in row])
+        for k in range(count if total.size else 0):
+            total[(power + k) * m : (power + k + 1) * m, k * n : (k + 1) * n] = matrix.tolist()
+    return flint.fmpz_mat(*total.shape, total.ravel().tolist())
 
 
 def _minor_divisor(matrix: RationalMatrix) -> flint.fmpq_poly:

@@ -629,24 +629,20 @@ def exact_fraction_response(
     numerator: Sequence[Fraction], denominator: Sequence[Fraction], gamma: int | ImpulsiveSmooth
 ) -> ExactResponse:
     """y with a(d/dt) y = b(d/dt) u from rest, u = I_gamma or an input with one row; b and a with the lowest power first."""
-    b, unit = polynomial(numerator), (flint.fmpq(1),)
     if isinstance(gamma, ImpulsiveSmooth):
         acting = sources_of(gamma)
     else:
         shape = Shape(ONE, S**gamma) if gamma > 0 else Shape(S**-gamma)
-        acting = (ExactSource(shape, unit, flint.fmpq(0), flint.fmpq(1)),)
-    sources = [
-        ExactSource(Shape(b * one.shape.numerator, one.shape.denominator), one.vector, one.time, one.factor) for one in acting
-    ]
-    a = RationalMatrix([[[c]] for c in denominator])
-    return ExactResponse(a, np.zeros((len(denominator) - 1, 1)), sources)
+        acting = (ExactSource(shape, (flint.fmpq(1),), ZERO, flint.fmpq(1)),)
+    sources = [replace(one, shape=one.shape.times(polynomial(numerator))) for one in acting]
+    return ExactResponse(RationalMatrix([[[c]] for c in denominator]), np.zeros((len(denominator) - 1, 1)), sources)
 
 
 def exact_combination(row: np.ndarray, A: PolynomialMatrix, initial: np.ndarray, force: ImpulsiveSmooth) -> ExactResponse:
     """The function N(d/dt) f with the values at 0-, N(s) (F(s) + X_in(s)), for a polynomial row N, shape (degree + 1, m)."""
     polynomials = [polynomial(column) for column in row.T]
     sources = [
-        replace(source, shape=Shape(source.shape.numerator * p, source.shape.denominator), vector=(entry,))
+        replace(source, shape=source.shape.times(p), vector=(entry,))
         for source in sources_of(force)
         for p, entry in zip(polynomials, source.vector)
         if p and entry

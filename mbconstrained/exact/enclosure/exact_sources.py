@@ -51,7 +51,7 @@ def _of_origin(origin: ExactInput) -> Iterator[ExactSource]:
                 source = replace(source, vector=tuple(applied([vector_of(row) for row in np.asarray(change)], source.vector)))
             else:
                 source = replace(source, factor=source.factor * rational(change))
-        yield replace(source, shape=source.shape.derivative(origin.derivatives))
+        yield replace(source, shape=source.shape.times(S**origin.derivatives))
 
 
 def _of_term(term: ExactTerm, origin: ExactInput) -> Iterator[ExactSource]:
@@ -234,9 +234,9 @@ class Shape:
     numerator: flint.fmpq_poly
     denominator: flint.fmpq_poly = field(default_factory=lambda: flint.fmpq_poly([1]))
 
-    def derivative(self, order: int) -> Shape:
-        """The derivative in the sense of distributions, with jumps and impulses at t = 0."""
-        return Shape(self.numerator * S**order, self.denominator) if order else self
+    def times(self, p: flint.fmpq_poly) -> Shape:
+        """The function after p(d/dt), with jumps and impulses at t = 0."""
+        return Shape(self.numerator * p, self.denominator)
 
     @property
     def key(self) -> tuple:

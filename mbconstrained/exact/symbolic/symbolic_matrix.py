@@ -18,7 +18,7 @@ from ...ground.by_name import Public
 from ...ground.checks import names_of
 from ...ground.errors import InputError, SingularPolynomialMatrix
 from ...polynomial.polynomial_matrix import PolynomialMatrix
-from ...polynomial.structure import singular_sentence
+from ...polynomial.structure import FiniteZero, singular_sentence
 from ..engine import ExactJordanPairs, ExactMatrix, ExactPair, ExactStructure, HypercompanionBlock, JordanChain, RootPolynomials
 from .fields import (
     VARIABLE,
@@ -50,20 +50,10 @@ LONGEST_TEXT = 60
 
 
 @dataclass(frozen=True)
-class SymbolicZero:
-    """A zero of A(s).
+class SymbolicZero(FiniteZero):
+    """A zero of A(s), its value in radicals, or with 30 digits where there are no symbols."""
 
-    Attributes:
-        value: in 1/s, in radicals, or with 30 digits where there are no symbols; of a complex pair the one above the real axis
-            stands for both.
-        multiplicity, partial_multiplicities: as in ``FiniteZero``.
-        is_pair: True where it stands for two.
-    """
-
-    value: sympy.Expr
-    multiplicity: int
-    partial_multiplicities: tuple[int, ...]
-    is_pair: bool = False
+    is_pair: bool = False  # True where the one above the real axis stands for both of a complex pair
 
     @property
     def count(self) -> int:
@@ -142,7 +132,7 @@ class SymbolicRing:
     def finite_zeros(self, divisors) -> tuple[SymbolicZero, ...]:
         """Finite zeros: with symbols those of factors of degree 1, 2 and s^4 + b s^2 + c (``roots``); for numbers all."""
         return tuple(
-            SymbolicZero(root.value, multiplicity, exponents, root.is_pair)
+            SymbolicZero(root.value, multiplicity, exponents, is_pair=root.is_pair)
             for p, multiplicity, exponents in divisors
             for root in self.roots(p) or ()
         )
