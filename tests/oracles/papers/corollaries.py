@@ -7,9 +7,8 @@ motion for t > 0.
 from __future__ import annotations
 
 import sympy
-from mbconstrained.exact.symbolic.symbolic_matrix import Block
 
-from mbconstrained.exact.symbolic.symbolic_matrix import SymbolicPolynomialMatrix
+from mbconstrained.exact.symbolic.symbolic_matrix import Block, SymbolicPolynomialMatrix
 from tests.oracles.papers.matrix_exponentials import (
     block_functions,
     exponential_of_jordan_block,
