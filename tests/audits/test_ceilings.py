@@ -27,7 +27,7 @@ LINES = {
     "cli": 1076,
     "control": 2480,
     "docs": 498,
-    "exact": 7100,
+    "exact": 6844,
     "exchange": 1851,
     "frequency": 6132,
     "ground": 2500,
