@@ -36,7 +36,7 @@ LINES = {
     "models": 1974,
     "page": 5386,
     "polynomial": 3790,
-    "response": 8391,
+    "response": 8417,
     "robot": 9317,
     "scene": 11375,
     "signals": 1897,
