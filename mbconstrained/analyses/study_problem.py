@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..control.matrix_fraction import scalar_matrix
+from ..control.rational import scalar_matrix
 from ..mechanics.system import MechanicalSystem
 from ..polynomial.polynomial_matrix import PolynomialMatrix
 from ..response.response import Response
