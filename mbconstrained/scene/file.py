@@ -133,14 +133,11 @@ def together(file_name: str, problems: Sequence[str | tuple[str, Exception | Non
 def place(location: tuple, data) -> str:
     """A location of pydantic in the notation of users.
 
-    >>> place(("model", "lumped", "mass", 1, "mass"), {"model": {"kind": "lumped", "mass": [{}, {"name": "cart"}]}})
+    >>> place(("model", "mass", 1, "mass"), {"model": {"kind": "lumped", "mass": [{}, {"name": "cart"}]}})
     'model.mass[2].mass (of "cart")'
     """
-    text, owner, marked = "", "", None
+    text, owner = "", ""
     for part in location:
-        if isinstance(data, dict) and data.get("kind") == part and data is not marked:
-            marked = data  # the tag by which pydantic chose the kind of table
-            continue
         text += f"[{part + 1}]" if isinstance(part, int) else f"{'.' if text else ''}{part}"
         data = _entry(data, part)
         if isinstance(part, int) and isinstance(data, dict) and isinstance(data.get("name"), str):

@@ -442,7 +442,9 @@ class Result:
     @cached_property
     def times(self) -> np.ndarray:
         """Times of the scene; without a given number, enough for the fastest visible motion."""
-        return following_times(self.scene, self.motion) if self.scene.table.time.is_automatic else self.scene.times
+        time = self.scene.table.time
+        is_given = "points" in time.model_fields_set or "step" in time.model_fields_set
+        return time.times if is_given else following_times(self.scene, self.motion)
 
     @cached_property
     def motion(self) -> Any:
