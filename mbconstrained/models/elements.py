@@ -10,7 +10,6 @@ import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import MISSING, dataclass, field, fields, replace
 from fractions import Fraction
-from functools import cache
 from itertools import count
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, NamedTuple, Self, get_args, get_type_hints
 
@@ -68,8 +67,12 @@ class _Fields(NamedTuple):
     joins: tuple[tuple[str, str | None], ...]
 
 
-@cache
+_FIELDS: dict[type, _Fields] = {}
+
+
 def fields_of(kind: type[Element]) -> _Fields:
+    if kind in _FIELDS:
+        return _FIELDS[kind]
     hints, entries = get_type_hints(kind, include_extras=True), {}
     for each in fields(kind):
         own, about, *_ = get_args(hints[each.name])
@@ -78,7 +81,9 @@ def fields_of(kind: type[Element]) -> _Fields:
     numbers = {name: entry.about for name, entry in entries.items() if entry.is_number}
     ordered = dict(sorted(numbers.items(), key=lambda item: get_args(Range).index(item[1].range)))
     joins = ((name, entry.about.unit) for name, entry in entries.items() if isinstance(entry.about, Joins))
-    return _Fields(entries, ordered, tuple((name, kind.axis if unit == "" else unit) for name, unit in joins))
+    return _FIELDS.setdefault(
+        kind, _Fields(entries, ordered, tuple((name, kind.axis if unit == "" else unit) for name, unit in joins))
+    )
 
 
 # Common to all elements.

@@ -7,6 +7,7 @@ A measurement takes some 0.1 ms and never fails.
 
 from __future__ import annotations
 
+import re
 import signal
 import sys
 import threading
@@ -21,6 +22,7 @@ from ...ground.display import TextTable
 #: Written into this file, "5" sets the highest resident memory back to the present one (man proc_pid_clear_refs).
 _CLEAR, _SET_BACK = "/proc/self/clear_refs", "5"
 _STATUS = "/proc/self/status"
+_RESIDENT = re.compile(r"^(VmHWM|VmRSS):\s*(\d+)", re.MULTILINE)
 
 #: Bytes per unit of ru_maxrss: macOS counts bytes, all others kilobytes (man getrusage).
 _UNIT_OF_GROWTH = 1 if sys.platform == "darwin" else 1024
@@ -58,22 +60,24 @@ class Costs:
 
     def lap(self, name: str) -> Cost:
         """Add the time since the previous lap to a name; return the cost of this lap."""
-        seconds, peak = time.perf_counter() - self._started, _highest()
+        seconds, (peak, _) = time.perf_counter() - self._started, _resident()
         cost = Cost(seconds, None if self._memory is None or peak is None else max(peak - self._memory, 0), peak)
         self.by_name[name] = self.by_name[name] + cost if name in self.by_name else cost
         self._begin()
         return cost
 
     def _begin(self) -> None:
-        self._memory = _status("VmRSS:") if _set_back() else _highest()
+        is_own = _set_back()
+        highest, now = _resident()
+        self._memory = now if is_own else highest
         self._started = time.perf_counter()
 
 
 def memory_note() -> str:
     """Description of the measurement of memory on this system."""
-    if _set_back() and _status("VmRSS:") is not None:
-        return OWN_PEAK
-    return NOT_MEASURED if _highest() is None else GROWTH
+    is_own = _set_back()
+    highest, now = _resident()
+    return OWN_PEAK if is_own and now is not None else NOT_MEASURED if highest is None else GROWTH
 
 
 def _set_back() -> bool:
@@ -86,24 +90,20 @@ def _set_back() -> bool:
     return True
 
 
-def _highest() -> int | None:
-    """The highest resident memory since the reset, or else since the start of the process."""
-    if (highest := _status("VmHWM:")) is not None:
-        return highest
-    try:
-        import resource
-    except ImportError:  # Windows
-        return None
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * _UNIT_OF_GROWTH
-
-
-def _status(key: str) -> int | None:
-    """An entry of the status file in bytes."""
+def _resident() -> tuple[int | None, int | None]:
+    """The highest resident memory since the reset, or else since the start of the process, and the present one, in bytes."""
     try:
         with open(_STATUS, encoding="utf-8") as file:
-            return next((1024 * int(line.split()[1]) for line in file if line.startswith(key)), None)
-    except (OSError, ValueError, IndexError):
-        return None
+            found = {key: 1024 * int(kilobytes) for key, kilobytes in _RESIDENT.findall(file.read())}
+    except (OSError, ValueError):
+        found = {}
+    if "VmHWM" not in found:
+        try:
+            import resource
+        except ImportError:  # Windows
+            return None, found.get("VmRSS")
+        found["VmHWM"] = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * _UNIT_OF_GROWTH
+    return found["VmHWM"], found.get("VmRSS")
 
 
 #: An alarm that comes during a finalizer, from which nothing can be raised, is lost: it is rung again after so many seconds.
@@ -198,7 +198,7 @@ class Plan:
     @property
     def total(self) -> Cost:
         """The cost of all stages that have run; memory above that at the start of the first."""
-        costs = list(self.costs.values())
+        costs = [stage.cost for stage in self.stages if stage.cost]
         peak = max((cost.peak for cost in costs if cost.peak is not None), default=None)
         known = peak is not None and costs[0].memory is not None
         memory = max(peak - (costs[0].peak - costs[0].memory), 0) if known else None
@@ -223,7 +223,7 @@ class Plan:
         """The cost of all stages in a line."""
         ran = sum(stage.cost is not None or bool(stage.part_of) for stage in self.needed)
         cost = self.total
-        memory = "" if cost.memory is None else f", {_cells(cost)[1]} MB of memory"
+        memory = "" if cost.memory is None else f", {cost.memory / 1e6:.1f} MB of memory"
         return f"{counted(ran, 'stage')} in {cost.seconds:.3g} s{memory}; {len(self.left_out)} left out"
 
     def table(self) -> TextTable:

@@ -144,18 +144,16 @@ def _sentences(motion: Response, coordinates: Coordinates, event: Event | None =
 
 def folded(notices: Sequence[Notice], jumps: int, impulses: int, later: tuple[int, int] = (0, 0)) -> tuple[Notice, ...]:
     """One sentence in place of the notices on each jump and impulse, which are in tables."""
-    counts_of_events = [*_counted("At t = 0", jumps, impulses), *_counted("After t = 0", *later)]
     jump, impulse = NoticeKind.JUMP, NoticeKind.IMPULSE  # a jump of a constraint row is a cause, which no table has
+    counts_of_events = []
+    for when, number, others in (("At t = 0", jumps, impulses), ("After t = 0", *later)):
+        if counts := [f"{count} {one}{'s' if count > 1 else ''}" for count, one in ((number, jump), (others, impulse)) if count]:
+            text = f"{when} there {'is' if number + others == 1 else 'are'} {' and '.join(counts)}; the tables give the sizes"
+            counts_of_events.append(Notice(jump if number else impulse, text))
     in_tables = (
         one.kind in (impulse, NoticeKind.SWITCH) or (one.kind == jump and not one.text.startswith("constraint ")) for one in notices
     )
     return (*counts_of_events, *(notice for notice, is_listed in zip(notices, in_tables) if not is_listed))
-
-
-def _counted(when: str, jumps: int, impulses: int) -> list[Notice]:
-    counts = [f"{count} {one}{'s' if count > 1 else ''}" for count, one in ((jumps, "jump"), (impulses, "impulse")) if count]
-    text = f"{when} there {'is' if jumps + impulses == 1 else 'are'} {' and '.join(counts)}; the tables give the sizes"
-    return [Notice(NoticeKind.JUMP if jumps else NoticeKind.IMPULSE, text)] if counts else []
 
 
 MOST_NOTICES = 12
@@ -263,8 +261,11 @@ def aliasing_notices(scene: SceneData, motion: Motion, count: int) -> tuple[Noti
 
 def _fastest_visible(scene: SceneData, motion: Motion, slowest: float) -> tuple[float, str, str] | None:
     """The highest angular frequency above ``slowest`` of a visible component that does not decay at once, a coordinate, its amplitude."""
-    frequencies = _angular_frequencies(scene, motion)
-    for highest in _octaves([each for each in frequencies if each > slowest]):
+    frequencies, last = _angular_frequencies(scene, motion), math.inf
+    for highest in frequencies:
+        if not slowest < highest <= last / 2:  # the highest of each octave
+            continue
+        last = highest
         frequency = _visible_frequency(scene, motion, [each for each in frequencies if SLOWER * highest <= each <= highest])
         if frequency and frequency[0] > slowest:
             return frequency
@@ -273,7 +274,7 @@ def _fastest_visible(scene: SceneData, motion: Motion, slowest: float) -> tuple[
 
 def _angular_frequencies(scene: SceneData, motion: Motion) -> list[float]:
     """Angular frequencies of the eigenvalues and the forces, in descending order."""
-    if hasattr(motion, "phases"):
+    if is_switched(motion):
         return sorted({abs(value.imag) for value in zeros_of(motion.function.blocks)}, reverse=True)
     A = scene.equations.polynomial_matrix
     zeros = {abs(value.imag) for value in (A.reduction if isinstance(A.reduction, Reduction) else A).eigenvalues}
@@ -281,15 +282,6 @@ def _angular_frequencies(scene: SceneData, motion: Motion) -> list[float]:
     used = [np.abs(smooth.coefficients[:, at]).any() for at in block_slices(smooth.blocks)]
     forces = {abs(value.imag) for value in zeros_of([block for block, one in zip(smooth.blocks, used) if one])}
     return sorted(zeros | forces, reverse=True)
-
-
-def _octaves(descending: Iterable[float]) -> Iterator[float]:
-    """The highest of each octave."""
-    last = math.inf
-    for each in descending:
-        if each <= last / 2:
-            last = each
-            yield each
 
 
 def _visible_frequency(scene: SceneData, motion: Motion, descending: list[float]) -> tuple[float, str, str] | None:
@@ -324,7 +316,7 @@ def _stretches(scene: SceneData, motion: Motion, period: float) -> Iterator[tupl
     whole = time.end - time.start
     length = min(PERIODS * period, whole / 2)
     changes = np.array([0.0]) if force is None else force.knots[force.knots < time.end]
-    if not hasattr(motion, "phases"):
+    if not is_switched(motion):
         yield from ((time.start + min(place * whole, whole - 2 * length), length) for place in ALIASING_PLACES)
     else:  # nothing oscillates on through an event
         changes = np.unique([*changes, *(event.time for event in motion.events if event.time < time.end)])
@@ -458,7 +450,7 @@ class Result:
 
     # Trajectories.
 
-    @property
+    @cached_property
     def kinds(self) -> list[str]:
         """The kinds of curves that the scene requests, the coordinates first."""
         output, equations = self.scene.table.output, self.scene.equations
@@ -600,12 +592,13 @@ class Result:
         if key not in self._extrema:
             own = self._kind(kind)
             chosen = list(range(len(own.names)) if rows is None else rows)
+            at = own.values if rows is None else lambda times: own.values(times)[chosen]
             if own.linear is None:
-                extremes = self.sampled_extrema(lambda times: own.values(times)[chosen])
+                extremes = self.sampled_extrema(at)
             else:
                 extremes = extrema(own.linear().rows(chosen), *self._ends)
                 if own.constants is None:
-                    extremes = extremes.with_values(lambda times: own.values(times)[chosen])
+                    extremes = extremes.with_values(at)
                 else:
                     extremes = extremes.shifted(own.constants[chosen])
             self._extrema[key] = extremes

@@ -17,7 +17,7 @@ from ...ground.checks import counted
 from ...response.choose import PAIRS, unproved
 from ..build.model import Decision, Equations
 from .plan import PAGE, Plan, Stage
-from .scene_data import SceneData
+from .scene_data import UNWRITTEN, SceneData
 
 LateDecision = tuple[bool, Callable[[], str]]  # whose reason takes an analysis of its own, once it is shown
 
@@ -182,14 +182,11 @@ def connection_forces(scene: SceneData) -> Decision:
 
 
 def element_quantities(scene: SceneData) -> Decision:
-    named = scene.table.output.quantity
-    return bool(named), counted(len(named), "entry", "entries") + " of [[output.quantity]]" if named else "no [[output.quantity]]"
+    return True, counted(len(scene.table.output.quantity), "entry", "entries") + " of [[output.quantity]]"
 
 
 def certificate(scene: SceneData) -> Decision:
     certify = scene.table.output.certify
-    if not certify:
-        return False, "not requested (--certify, or certify = true in [output])"
     if reason := without_certificate(scene.equations):
         return False, reason
     return True, "digits of every coordinate" if certify is True else f"digits of {', '.join(certify)}"
@@ -197,8 +194,6 @@ def certificate(scene: SceneData) -> Decision:
 
 def symbols(scene: SceneData) -> Decision:
     output, count = scene.table.output, len(scene.parameters.values)
-    if not output.formula:
-        return False, "no formula is requested"
     if not output.page:
         return False, "no page to show the formula on"
     if reason := too_large_for_formula(scene):
@@ -207,7 +202,8 @@ def symbols(scene: SceneData) -> Decision:
 
 
 def animation(scene: SceneData) -> Decision:
-    output, pictured = scene.table.output, still(scene)[0]
+    output = scene.table.output
+    pictured = output.still is not None and still(scene)[0]
     if not (output.page or pictured):
         return False, "no page"
     if not (output.animation or pictured):
@@ -244,13 +240,11 @@ def still(scene: SceneData) -> Decision:
 
 
 def formats(scene: SceneData) -> Decision:
-    requested = scene.table.output.formats
-    return bool(requested), ", ".join(requested) if requested else 'not requested (formats in [output], e.g. ["mat", "uff"])'
+    return True, ", ".join(scene.table.output.formats)
 
 
 def plot_images(scene: SceneData) -> Decision:
-    requested = scene.table.output.plot_images
-    return requested, f"{scene.name}.*.svg and .png" if requested else "not requested (--plots, or plot_images = true in [output])"
+    return True, f"{scene.name}.*.svg and .png"
 
 
 def robot_meshes(scene: SceneData) -> Decision:
@@ -267,17 +261,14 @@ def collision_geometry(scene: SceneData) -> Decision:
 
 
 def frequency(scene: SceneData) -> Decision:
-    table = scene.table.frequency
-    if table is None:
-        return False, "not requested (a table [frequency], or the command frequency)"
-    return True, f"[frequency]: {table.quantity}"
+    return True, f"[frequency]: {scene.table.frequency.quantity}"
 
 
 def frequency_files(scene: SceneData) -> Decision:
-    output, requested = scene.table.output, scene.table.frequency is not None
+    output = scene.table.output
     kinds = [ending for ending, wanted in (("html", output.page), ("csv", output.csv), ("npz", output.npz)) if wanted]
-    if not (requested and kinds):
-        return False, "page, csv and npz = false" if requested else "no frequency response"
+    if not kinds:
+        return False, "page, csv and npz = false"
     return True, f"{scene.name}.frequency.{', .'.join(kinds)}"
 
 
@@ -322,6 +313,8 @@ class PossibleStage:
     work: Callable[[Any], object] | None = None  # does it; None where reading the scene, or another stage, does it
     writes: bool = False  # whether only files need it
     part_of: str = ""  # the stage that does it, where it is not measured itself
+    entry: str = ""  # the entry of the scene that requests it, without which it need not be decided
+    unless: str = ""  # the reason for omitting it where this entry is left out
 
 
 FILE_STEPS = (PossibleStage("read the scene", (True, "checked against the schema")), PossibleStage("units", units))
@@ -365,19 +358,60 @@ STEPS = (
     PossibleStage("accelerations", partial(plotted, kind="acceleration"), methodcaller("curves", "acceleration")),
     PossibleStage("reactions", reactions, methodcaller("curves", "reaction")),
     PossibleStage("energy", partial(plotted, kind="energy"), methodcaller("curves", "energy")),
-    PossibleStage("element quantities", element_quantities, methodcaller("curves", "quantity")),
+    PossibleStage(
+        "element quantities",
+        element_quantities,
+        methodcaller("curves", "quantity"),
+        entry="output.quantity",
+        unless="no [[output.quantity]]",
+    ),
     PossibleStage("modes", modes, attrgetter("modes")),
-    PossibleStage("error estimate", (True, "an answer carries its evidence"), attrgetter("error_estimate")),
+    PossibleStage("error estimate", (True, "an answer carries its evidence"), attrgetter("error_estimates")),
     PossibleStage("proof", proof, part_of="error estimate"),
-    PossibleStage("certificate (python-flint)", certificate, attrgetter("certificate")),
-    PossibleStage("symbols (sympy)", symbols, attrgetter("formula"), writes=True),
-    PossibleStage("frequency response", frequency, attrgetter("frequency.response")),
-    PossibleStage("frequency page and files", frequency_files, methodcaller("write_frequency"), writes=True),
+    PossibleStage(
+        "certificate (python-flint)",
+        certificate,
+        attrgetter("certificate"),
+        entry="output.certify",
+        unless="not requested (--certify, or certify = true in [output])",
+    ),
+    PossibleStage(
+        "symbols (sympy)", symbols, attrgetter("formula"), writes=True, entry="output.formula", unless="no formula is requested"
+    ),
+    PossibleStage(
+        "frequency response",
+        frequency,
+        attrgetter("frequency.response"),
+        entry="frequency",
+        unless="not requested (a table [frequency], or the command frequency)",
+    ),
+    PossibleStage(
+        "frequency page and files",
+        frequency_files,
+        methodcaller("write_frequency"),
+        writes=True,
+        entry="frequency",
+        unless="no frequency response",
+    ),
     PossibleStage("animation", animation, attrgetter("animation"), writes=True),
     PossibleStage("CSV", partial(written, kind="csv"), methodcaller("write_csv"), writes=True),
     PossibleStage("npz", partial(written, kind="npz"), methodcaller("write_npz"), writes=True),
-    PossibleStage("other formats", formats, methodcaller("write_formats"), writes=True),
-    PossibleStage("plots as images (matplotlib)", plot_images, methodcaller("write_plots"), writes=True),
+    PossibleStage(
+        "other formats",
+        formats,
+        methodcaller("write_formats"),
+        writes=True,
+        entry="output.formats",
+        unless='not requested (formats in [output], e.g. ["mat", "uff"])',
+    ),
+    PossibleStage(
+        "plots as images (matplotlib)",
+        plot_images,
+        methodcaller("write_plots"),
+        writes=True,
+        entry="output.plot_images",
+        unless="not requested (--plots, or plot_images = true in [output])",
+    ),
     PossibleStage("still picture (Chromium)", still, methodcaller("try_still"), writes=True),
     PossibleStage(PAGE, partial(written, kind="page"), methodcaller("write_page"), writes=True),  # after the stages that it lists
 )
@@ -400,26 +434,23 @@ def steps_of(scene: SceneData) -> tuple[PossibleStage, ...]:
     first = ROBOT_STEPS if kind == "robot" else NO_ROBOT_STEPS
     if scene.table.time.step_domain == "discrete":
         return (*FILE_STEPS, *first, *DISCRETE_STEPS)
-    following = {"robot": ROBOT_NEXT, "state-space": CONTROL_NEXT}.get(kind, {}), _of_ends(scene)
+    ends = (end for end in scene.equations.ends if end.duration)  # that the scene decides
+    solved = tuple(PossibleStage(end.title.lower(), (True, f"[{end.key}]: over {end.duration:g} s")) for end in ends)
+    further = {"assemble the model": solved, "energy": (FORCES,) if "force" in scene.table.output.plots else ()}
+    following = {"robot": ROBOT_NEXT, "state-space": CONTROL_NEXT}.get(kind, {}), further
     extended = [(step, *(each for stages in following for each in stages.get(step.name, ()))) for step in STEPS]
     return (*FILE_STEPS, *first, *chain.from_iterable(extended))
 
 
-def _of_ends(scene: SceneData) -> dict[str, tuple[PossibleStage, ...]]:
-    """The stages of scenes that decide the end of the motion, or plot what acts, by the stage before."""
-    ends = (end for end in scene.equations.ends if end.duration)
-    solved = tuple(PossibleStage(end.title.lower(), (True, f"[{end.key}]: over {end.duration:g} s")) for end in ends)
-    return {"assemble the model": solved, "energy": (FORCES,) if "force" in scene.table.output.plots else ()}
-
-
 def plan_of(scene: SceneData, *, writing: bool = True) -> Plan:
     """Decide about every stage without running any."""
-    requested = scene if writing else scene.unwritten()
-    return Plan(tuple(_stage(step, requested, writing) for step in steps_of(scene))).with_costs(scene.costs)
-
-
-def _stage(step: PossibleStage, scene: SceneData, writing: bool) -> Stage:
-    if step.writes and not writing:
-        return Stage(step.name, False, "no folder to write to was given")
-    decision = step.decide if isinstance(step.decide, tuple) else step.decide(scene)
-    return Stage(step.name, *decision, part_of=step.part_of)
+    scene = scene if writing else scene.with_output(**UNWRITTEN)
+    stages = []
+    for step in steps_of(scene):
+        if step.writes and not writing:
+            stages.append(Stage(step.name, False, "no folder to write to was given"))
+            continue
+        is_requested = not step.entry or attrgetter(step.entry)(scene.table)
+        decision = step.decide if is_requested else (False, step.unless)
+        stages.append(Stage(step.name, *(decision if isinstance(decision, tuple) else decision(scene)), part_of=step.part_of))
+    return Plan(tuple(stages)).with_costs(scene.costs)
