@@ -45,7 +45,7 @@ def exact_motion(system: EquationsOfMotion, initial: np.ndarray, applied: Impuls
 
         terms = tuple(replace(term, coefficients=np.pad(term.coefficients, ((0, 0), (0, k), (0, k)))) for term in system.delayed)
         matrix = regular(RationalMatrix(matrices), equations, coordinates)
-        return ExactDelayedResponse(matrix, terms, start, force, range(n))
+        return ExactDelayedResponse(matrix, start, sources_of(force), range(n), terms)
     return ExactResponse(regular(RationalMatrix(matrices), equations, coordinates), start, sources_of(force), range(n))
 
 

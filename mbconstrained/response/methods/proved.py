@@ -78,9 +78,14 @@ class ProvedFunction(BohlFunction):
     summed_from = property(attrgetter("rough.summed_from"))
 
     @property
+    def is_bounded(self) -> bool:
+        """Whether the errors of the float64 values are bounded with respect to the exact data."""
+        return self.defect is not None and self.defect.has_exact_zeros
+
+    @property
     def is_provable(self) -> bool:
         """Whether the exact data determine a motion with the same number of states, not one caused by rounding errors."""
-        if self.defect is not None and self.defect.has_exact_zeros:
+        if self.is_bounded:
             return True
         try:
             return self.exact().matrix.determinant.degree() == self.finite_count
