@@ -2,7 +2,7 @@
 
 Read ``base`` (what an analysis declares, what every answer can do), then any of the others. The command, its options, the table of the
 scene and all files follow from the declaration. ``run`` is the motion over time, with its tables and plots in ``motion_report``, ``discrete_run`` that
-at samples alone;
+at samples alone, and ``run_analysis`` chooses between them;
 ``python_models`` gives motions and modes that were computed in Python the same pages.
 """
 
@@ -12,7 +12,7 @@ from importlib import import_module
 
 #: The analyses by name: the module that declares each, and its sentence in the list of commands, which needs no import.
 ANALYSES = {
-    "run": ("run", "Solve a scene and write its page, CSV and npz."),
+    "run": ("run_analysis", "Solve a scene and write its page, CSV and npz."),
     "modes": ("modes", "List the modes of a scene, with shapes and energies."),
     "frequency": ("frequency", "Frequency response: peaks, antiresonances, Bode plots."),
     "random": ("random", "Random vibration: RMS values, spectra, expected largest values."),

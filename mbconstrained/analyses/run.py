@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import contextmanager, nullcontext
+from contextlib import contextmanager
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
@@ -18,11 +18,11 @@ from ..ground.errors import InputError, MbconstrainedError
 from ..ground.files import Replacements
 from ..ground.notices import Notice, NoticeKind, distinct, doubts_of
 from ..response.response_notices import counts
-from ..scene.run.plan import Costs, Plan, Stage
+from ..scene.run.plan import Plan
 from ..scene.run.result import Result, aliasing_notices, folded, with_units
 from ..scene.run.scene import Scene
-from ..scene.run.stages import is_animated, plan_of, steps_of, still, too_large_for_formula
-from .base import Analysis, Answer, formats_of, write_pictures
+from ..scene.run.stages import is_animated, still, too_large_for_formula
+from .base import Answer, formats_of, write_pictures
 from .motion_report import LARGEST, tables_of
 
 if TYPE_CHECKING:
@@ -38,34 +38,6 @@ NOTHING_MOVES = "nothing moves: zero initial conditions and no excitation"
 
 #: Endings of the files of [output] formats.
 FORMATS = {"excel": ".excel.csv", "mat": ".mat", "netcdf": ".nc", "zarr": ".zarr", "uff": ".uff"}
-
-
-class Run(Analysis):
-    """The motion of a scene, or its samples in discrete time, by the stages of its plan."""
-
-    name = "run"
-    handles_choices = True
-    switches = "all"
-
-    @classmethod
-    def answer(  # type: ignore[override]  # it has no settings
-        cls, scene: Scene, progress: Callable[[Stage], None] | None = None, *, folder: str | Path | None = None
-    ) -> RunAnswer:
-        """The answer, written into a folder unless it is None: the needed stages run one after another, and each is measured."""
-        kind = RunAnswer
-        if scene.table.time.step_domain == "discrete":
-            from .discrete_run import DiscreteRunAnswer as kind  # loads state spaces and sequences in balls
-        plan, costs = plan_of(scene, writing=folder is not None), Costs()
-        answer = kind(scene, plan, None if folder is None else Path(folder))
-        with nullcontext() if folder is None else answer.writing_together():
-            for step, stage in zip(steps_of(scene), plan.stages):
-                if stage.needed and step.work:
-                    if progress:
-                        progress(stage)
-                    step.work(answer)
-                    costs.lap(step.name)
-        answer.plan = plan.with_costs(costs.by_name)
-        return answer
 
 
 class RunAnswer(Result, Answer):
