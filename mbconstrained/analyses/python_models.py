@@ -37,6 +37,7 @@ from ..scene.build.model import Equations
 from ..scene.build.robot_model import RobotEquations, RobotScene
 from ..scene.file import SceneName
 from ..scene.quantities.coordinates import Coordinates
+from ..scene.run.drawing import check_drawing
 from ..scene.run.scene import Scene, check_output
 from ..scene.run.scene_data import UNWRITTEN
 from ..scene.run.stages import plan_of
@@ -112,7 +113,8 @@ def _scene(
     drawn = validated({} if drawing is None else {"drawing": drawing}, "write_page", _DrawnAnswer).drawing
     table = SceneFile.model_construct(title=title, model=model, time=times, output=output, initial=InitialTable(), drawing=drawn)
     scene = Scene(Path("motion"), table, equations, 0, {}, file_name=SceneName("write_page"))
-    scene.check_drawing()
+    if scene.table.drawing:
+        check_drawing(scene)
     return scene
 
 

@@ -47,7 +47,7 @@ class RunAnswer(Result, Answer):
 
     def __init__(self, scene: Scene, plan: Plan, folder: Path | None = None):
         Result.__init__(self, scene)
-        vars(self).update(name=scene.name, title=scene.title, source=scene.table.source)  # of a frozen dataclass
+        vars(self).update(title=scene.title, source=scene.table.source)  # of a frozen dataclass
         if not scene.table.output.certify:
             self.certificate = None
         if scene.table.frequency is None:
@@ -64,6 +64,10 @@ class RunAnswer(Result, Answer):
 
     def _entries(self) -> Iterable[str]:
         return (*self.scene.equations.coordinates.names, *self.data)
+
+    @property
+    def name(self) -> str:
+        return self.scene.name
 
     @property
     def heading(self) -> str:

@@ -47,7 +47,7 @@ def rate_unit(unit: str, order: int = 1) -> str:
     >>> rate_unit("m", 2)
     'm/s^2'
     """
-    return unit if order == 0 else f"{unit}/{_seconds(order)}"
+    return unit if order == 0 else f"{unit}/s^{order}".removesuffix("^1")
 
 
 def derivative_name(unit: str, order: int) -> str:
@@ -78,11 +78,7 @@ def impulse_unit(unit: str, order: int = 0) -> str:
     >>> impulse_unit("N"), impulse_unit("N", 1)
     ('N s', 'N s^2')
     """
-    return f"{unit} {_seconds(order + 1)}"
-
-
-def _seconds(power: int) -> str:
-    return "s" if power == 1 else f"s^{power}"
+    return f"{unit} s^{order + 1}".removesuffix("^1")
 
 
 def ratio_unit(above: str, below: str) -> str:

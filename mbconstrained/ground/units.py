@@ -148,7 +148,7 @@ def unit_in_si(text: str) -> tuple[Fraction, dict[str, int]]:
 
 def unknown_name(unit: str) -> str:
     """The first name in a unit that is not accepted, or an empty string."""
-    return next((name for name in re.findall(r"[^\W\d_]+", unit) if not is_accepted(name)), "")
+    return next((name for name in re.findall(r"[^\W\d_]+", unit) if name not in _spellings()), "")
 
 
 def instead_of(name: str) -> str:

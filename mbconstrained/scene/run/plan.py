@@ -67,31 +67,26 @@ class Costs:
         return cost
 
     def _begin(self) -> None:
-        is_own = _set_back()
-        highest, now = _resident()
-        self._memory = now if is_own else highest
+        highest, now = _resident(is_set_back=True)
+        self._memory = highest if now is None else now
         self._started = time.perf_counter()
 
 
 def memory_note() -> str:
     """Description of the measurement of memory on this system."""
-    is_own = _set_back()
-    highest, now = _resident()
-    return OWN_PEAK if is_own and now is not None else NOT_MEASURED if highest is None else GROWTH
+    highest, now = _resident(is_set_back=True)
+    return OWN_PEAK if now is not None else NOT_MEASURED if highest is None else GROWTH
 
 
-def _set_back() -> bool:
-    """Whether the highest resident memory could be reset to the present one."""
+def _resident(*, is_set_back: bool = False) -> tuple[int | None, int | None]:
+    """The highest resident memory since it was last set back to the present one, or else since the start of the process, and the present
+    one where it is set back before, in bytes; None where that is not possible."""
     try:
-        with open(_CLEAR, "w", encoding="ascii") as file:
-            file.write(_SET_BACK)
+        if is_set_back:
+            with open(_CLEAR, "w", encoding="ascii") as file:
+                file.write(_SET_BACK)
     except OSError:
-        return False
-    return True
-
-
-def _resident() -> tuple[int | None, int | None]:
-    """The highest resident memory since the reset, or else since the start of the process, and the present one, in bytes."""
+        is_set_back = False
     try:
         with open(_STATUS, encoding="utf-8") as file:
             found = {key: 1024 * int(kilobytes) for key, kilobytes in _RESIDENT.findall(file.read())}
@@ -101,9 +96,9 @@ def _resident() -> tuple[int | None, int | None]:
         try:
             import resource
         except ImportError:  # Windows
-            return None, found.get("VmRSS")
+            return None, None
         found["VmHWM"] = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * _UNIT_OF_GROWTH
-    return found["VmHWM"], found.get("VmRSS")
+    return found["VmHWM"], found.get("VmRSS") if is_set_back else None
 
 
 #: An alarm that comes during a finalizer, from which nothing can be raised, is lost: it is rung again after so many seconds.
@@ -221,10 +216,10 @@ class Plan:
 
     def totals(self) -> str:
         """The cost of all stages in a line."""
-        ran = sum(stage.cost is not None or bool(stage.part_of) for stage in self.needed)
+        ran = sum(stage.needed and (stage.cost is not None or bool(stage.part_of)) for stage in self.stages)
         cost = self.total
         memory = "" if cost.memory is None else f", {cost.memory / 1e6:.1f} MB of memory"
-        return f"{counted(ran, 'stage')} in {cost.seconds:.3g} s{memory}; {len(self.left_out)} left out"
+        return f"{counted(ran, 'stage')} in {cost.seconds:.3g} s{memory}; {sum(not stage.needed for stage in self.stages)} left out"
 
     def table(self) -> TextTable:
         """Needed stages first, in the order in which they run."""

@@ -456,13 +456,14 @@ class Result:
         plots = [part for kind in output.plots for part in (PARTS[kind] if kind == "phase" else (kind,))]
         reactions = ["reaction", "ground_reaction"] if output.reactions else []
         requested = ["displacement", *plots, *reactions, *(["quantity"] if output.quantity else [])]
-        available = {
-            "reaction": bool(self.rows),
-            "ground_reaction": equations.has_connections,
-            "output": not equations.has_outputs_among_coordinates,
-            "force": equations.has_forces,
-        }
-        return [kind for kind in dict.fromkeys(requested) if available.get(kind, True)]
+        return [
+            kind
+            for kind in dict.fromkeys(requested)
+            if (kind != "reaction" or self.rows)
+            and (kind != "ground_reaction" or equations.has_connections)
+            and (kind != "output" or not equations.has_outputs_among_coordinates)
+            and (kind != "force" or equations.has_forces)
+        ]
 
     def curves(self, kind: str) -> Curves:
         """Trajectories of a kind: displacement, velocity, acceleration, reaction, energy or output; or of a quantity by its name."""
@@ -581,21 +582,17 @@ class Result:
 
     # Extrema and means, of the closed form.
 
-    @property
-    def _ends(self) -> tuple[float, float]:
-        return float(self.times[0]), float(self.times[-1])
-
     def extrema(self, kind: str, rows: Sequence[int] | None = None) -> Extrema:
         """The largest and the smallest values of a kind of curves, or of some, with their times, also between the times of the scene."""
         key = kind, None if rows is None else tuple(rows)
         if key not in self._extrema:
             own = self._kind(kind)
             chosen = list(range(len(own.names)) if rows is None else rows)
-            at = own.values if rows is None else lambda times: own.values(times)[chosen]
+            at = lambda times: np.asarray(own.values(times))[chosen]  # noqa: E731
             if own.linear is None:
                 extremes = self.sampled_extrema(at)
             else:
-                extremes = extrema(own.linear().rows(chosen), *self._ends)
+                extremes = extrema(own.linear().rows(chosen), *self.times[[0, -1]].tolist())
                 if own.constants is None:
                     extremes = extremes.with_values(at)
                 else:
@@ -605,17 +602,19 @@ class Result:
 
     def sampled_extrema(self, at: Callable[[np.ndarray], np.ndarray]) -> Extrema:
         """Extrema of functions with squares of the motion, such as energies, by ``sampled_extrema``."""
-        return sampled_extrema(at, self._breaks, 2 * fastest_rate(self.motion.function), *self._ends)
+        return sampled_extrema(at, self._breaks, 2 * fastest_rate(self.motion.function), *self.times[[0, -1]].tolist())
 
     def positive_times(self, at: Callable[[np.ndarray], np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
         """Times at which functions with squares or ratios of the motion are largest, and first positive, by ``positive_times``."""
-        return positive_times(at, self._breaks, 2 * fastest_rate(self.motion.function), *self._ends)
+        return positive_times(at, self._breaks, 2 * fastest_rate(self.motion.function), *self.times[[0, -1]].tolist())
 
     def rms(self, kind: str, rows: Sequence[int]) -> RootMeanSquares:
         """The RMS values of some curves of a kind from the first to the last time, by integrals of the closed form."""
         own, chosen = self._kind(kind), list(rows)
         added = None if own.constants is None else own.constants[chosen]
-        return root_mean_squares(own.linear().rows(rows), *self._ends, added, lambda times: own.values(times)[chosen])
+        return root_mean_squares(
+            own.linear().rows(rows), *self.times[[0, -1]].tolist(), added, lambda times: own.values(times)[chosen]
+        )
 
     @cached_property
     def largest(self) -> list[Largest]:
@@ -643,8 +642,11 @@ class Result:
         """The impulses at t = 0 in the coordinates, then in the constraint forces."""
         coordinates = self.scene.equations.coordinates
         impulses = impulses_of(self.motion.impulses, coordinates)
-        if self.rows and not self.is_switched:  # the table of events has those of contacts and rows
-            impulses += impulses_of(self.motion.constraint_impulses, forces_of_rows(self.rows, shown=coordinates.shown))
+        own = (
+            () if self.is_switched or not self.rows else self.motion.constraint_impulses
+        )  # the table of events has those of contacts
+        if own:
+            impulses += impulses_of(own, forces_of_rows(self.rows, shown=coordinates.shown))
         return impulses
 
     @cached_property

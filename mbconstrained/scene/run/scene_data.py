@@ -106,7 +106,8 @@ class SceneData(Pictured):
     def notices(self) -> tuple[Notice, ...]:
         """Notices before a run: overrides, unused parameters, unconstrained bodies."""
         fixed = self.equations.system is not None and self.equations.switching is None
-        has_elements = fixed and self.table.model.kind in ("lumped", "matrices")
+        kind = self.table.model.kind
+        has_elements = fixed and kind in ("lumped", "matrices")
         free = free_motion_notices(self.equations.system) if has_elements else ()
         given = (
             *self.parameters.notices,
@@ -114,8 +115,7 @@ class SceneData(Pictured):
             *(never_notices(self.equations.switching) if self.equations.switching else ()),
             *(notice for end in self.equations.ends for notice in (*_late_end(end, self.table.time), *end.notices)),
             *(self.equations.solvability.notices if self.equations.solvability else ()),
-            *_assumed_lengths(self.table.model),
-            *_matrix_notices(self.table, self.equations.system),
+            *(_matrix_notices(self.equations.system) if kind == "matrices" else _assumed_lengths(self.table.model)),
         )
         missing = self.equations.mesh_notices if self.table.output.page and self.table.output.animation else ()
         return (*self.phase_notices, *(setting.notice for setting in self.settings), *given, *free, *missing)
@@ -196,9 +196,9 @@ def _assumed_lengths(model) -> Iterator[Notice]:
             yield Notice(NoticeKind.OMITTED, f"{listed(without, MOST_NAMED)}: {text}")
 
 
-def _matrix_notices(table, system: MechanicalSystem | None) -> Iterator[Notice]:
+def _matrix_notices(system: MechanicalSystem | None) -> Iterator[Notice]:
     """Notices on matrices that differ from those of a passive structure: unsymmetric, or M with a negative eigenvalue."""
-    if table.model.kind != "matrices" or system is None or system.is_sparse:
+    if system is None or system.is_sparse:
         return
     for name in ("mass", "stiffness"):
         yield from system.unsymmetric(name)

@@ -73,35 +73,24 @@ def constrained_form(scene: SceneData) -> Decision:
     return True, f"{counted(len(system.rows), 'independent row')} at {' and '.join(levels)} level"
 
 
-def _serves_reduced(scene: SceneData) -> bool:
-    """Whether the reduced equations give motion and eigenvalues, and neither file nor frequency response needs the Jordan pairs."""
+def split_off(
+    scene: SceneData, reduced: str, split: Decision | Callable[[SceneData], Decision | LateDecision]
+) -> Decision | LateDecision:
+    """A part of the Weierstrass form, and the reason for omitting it where the reduced equations give motion and eigenvalues, and neither
+    file nor frequency response needs the Jordan pairs."""
     equations, table = scene.equations, scene.table
-    if scene.problem.delayed:
-        return False
-    if equations.polynomial_matrix.large_reduction is not None:
-        return True
-    return not (equations.system is None or table.output.npz or table.frequency or scene.method.name == PAIRS)
-
-
-#: Why the equations of one phase alone are not split.
-BY_PHASE = "each phase has its own, made when the motion enters it"
-
-
-def staircase(scene: SceneData) -> Decision:
-    """The Weierstrass form, only where the equations do not reduce directly, or a file holds their Jordan pairs."""
-    if scene.equations.switching is not None:
-        return False, BY_PHASE
-    if _serves_reduced(scene):
-        return False, "the equations reduce directly without rank decisions"
-    return True, "splits the finite from the infinite part by rank decisions"
+    if equations.switching is not None:
+        return False, "each phase has its own, made when the motion enters it"
+    if not scene.problem.delayed:
+        if equations.polynomial_matrix.large_reduction is not None:
+            return False, reduced
+        if not (equations.system is None or table.output.npz or table.frequency or scene.method.name == PAIRS):
+            return False, reduced
+    return split if isinstance(split, tuple) else split(scene)
 
 
 def finite_pair(scene: SceneData) -> Decision | LateDecision:
     """Eigenvalues are always listed; the motion comes from the pair only where the chosen method uses pairs."""
-    if scene.equations.switching is not None:
-        return False, BY_PHASE
-    if _serves_reduced(scene):
-        return False, "the modes have the eigenvalues"
     if scene.problem.delayed:
         return True, "the motion within each delay"
     only = "the eigenvalues; the motion comes from the reduced equations"
@@ -110,12 +99,7 @@ def finite_pair(scene: SceneData) -> Decision | LateDecision:
 
 def infinite_pair(scene: SceneData) -> Decision:
     """Jumps and impulses come from the infinite pair; free admissible motion needs none (Moysis et al., section 4.1)."""
-    equations = scene.equations
-    if equations.switching is not None:
-        return False, BY_PHASE
-    A = equations.polynomial_matrix
-    if _serves_reduced(scene):
-        return False, "the reduced equations, which have no infinite part, serve"
+    equations, A = scene.equations, scene.equations.polynomial_matrix
     if equations.has_regular_leading_coefficient or not any(A.jordan_pairs().form.split.infinite_divisors):
         return False, f"A_{A.degree} is nonsingular: there is no infinite part"
     if equations.is_free and equations.start_fits:
@@ -151,18 +135,14 @@ def transfer_functions(scene: SceneData) -> Decision:
     return True, "zeros, gain and DC gain from each input to each output"
 
 
-def plotted(scene: SceneData, kind: str) -> Decision:
-    requested = kind in scene.table.output.plots
-    return requested, f"{kind} is{'' if requested else ' not'} among the plots"
-
-
 def velocities(scene: SceneData) -> Decision:
     """Velocities, which an animation needs as well as plots."""
-    requested, reason = plotted(scene, "velocity")
-    if "phase" in scene.table.output.plots and not requested:
-        requested, reason = True, "phase is among the plots"
-    moves = animation(scene)[0] and not requested
-    return (True, "the animation moves by displacements and velocities") if moves else (requested, reason)
+    for plot in ("velocity", "phase"):
+        if plot in scene.table.output.plots:
+            return True, f"{plot} is among the plots"
+    if animation(scene)[0]:
+        return True, "the animation moves by displacements and velocities"
+    return False, "velocity is not among the plots"
 
 
 def reactions(scene: SceneData) -> Decision:
@@ -315,6 +295,7 @@ class PossibleStage:
     part_of: str = ""  # the stage that does it, where it is not measured itself
     entry: str = ""  # the entry of the scene that requests it, without which it need not be decided
     unless: str = ""  # the reason for omitting it where this entry is left out
+    plot: str = ""  # the plot that alone requests it
 
 
 FILE_STEPS = (PossibleStage("read the scene", (True, "checked against the schema")), PossibleStage("units", units))
@@ -337,7 +318,7 @@ CONTROL_NEXT = {  # the same of a state space
     "displacements": (OUTPUTS,),
     "modes": (PossibleStage("transfer functions", transfer_functions, attrgetter("scene.equations.control.transfers")),),
 }
-FORCES = PossibleStage("forces", partial(plotted, kind="force"), methodcaller("curves", "force"))
+FORCES = PossibleStage("forces", (True, "force is among the plots"), methodcaller("curves", "force"))
 STEPS = (
     PossibleStage("assemble the model", lambda scene: scene.equations.size_decision()),
     PossibleStage("dependent constraint rows", lambda scene: scene.equations.rows_decision(), part_of="assemble the model"),
@@ -349,15 +330,33 @@ STEPS = (
         ),
         part_of="response",
     ),
-    PossibleStage("scaling and staircase", staircase, methodcaller("jordan_pairs")),
-    PossibleStage("finite pair", finite_pair, attrgetter("finite_pair")),
-    PossibleStage("infinite pair", infinite_pair, attrgetter("infinite_pair")),
+    PossibleStage(
+        "scaling and staircase",
+        partial(
+            split_off,
+            reduced="the equations reduce directly without rank decisions",
+            split=(True, "splits the finite from the infinite part by rank decisions"),
+        ),
+        methodcaller("jordan_pairs"),
+    ),
+    PossibleStage(
+        "finite pair",
+        partial(split_off, reduced="the modes have the eigenvalues", split=finite_pair),
+        attrgetter("finite_pair"),
+    ),
+    PossibleStage(
+        "infinite pair",
+        partial(split_off, reduced="the reduced equations, which have no infinite part, serve", split=infinite_pair),
+        attrgetter("infinite_pair"),
+    ),
     PossibleStage("response", response, attrgetter("motion")),
     PossibleStage("displacements", (True, "the answer itself"), methodcaller("curves", "displacement")),
     PossibleStage("velocities", velocities, methodcaller("curves", "velocity")),
-    PossibleStage("accelerations", partial(plotted, kind="acceleration"), methodcaller("curves", "acceleration")),
+    PossibleStage(
+        "accelerations", (True, "acceleration is among the plots"), methodcaller("curves", "acceleration"), plot="acceleration"
+    ),
     PossibleStage("reactions", reactions, methodcaller("curves", "reaction")),
-    PossibleStage("energy", partial(plotted, kind="energy"), methodcaller("curves", "energy")),
+    PossibleStage("energy", (True, "energy is among the plots"), methodcaller("curves", "energy"), plot="energy"),
     PossibleStage(
         "element quantities",
         element_quantities,
@@ -450,7 +449,10 @@ def plan_of(scene: SceneData, *, writing: bool = True) -> Plan:
         if step.writes and not writing:
             stages.append(Stage(step.name, False, "no folder to write to was given"))
             continue
-        is_requested = not step.entry or attrgetter(step.entry)(scene.table)
-        decision = step.decide if is_requested else (False, step.unless)
+        decision = step.decide
+        if step.entry and not attrgetter(step.entry)(scene.table):
+            decision = False, step.unless
+        elif step.plot and step.plot not in scene.table.output.plots:
+            decision = False, f"{step.plot} is not among the plots"
         stages.append(Stage(step.name, *(decision if isinstance(decision, tuple) else decision(scene)), part_of=step.part_of))
     return Plan(tuple(stages)).with_costs(scene.costs)
