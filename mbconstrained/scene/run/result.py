@@ -612,9 +612,8 @@ class Result:
         """The RMS values of some curves of a kind from the first to the last time, by integrals of the closed form."""
         own, chosen = self._kind(kind), list(rows)
         added = None if own.constants is None else own.constants[chosen]
-        return root_mean_squares(
-            own.linear().rows(rows), *self.times[[0, -1]].tolist(), added, lambda times: own.values(times)[chosen]
-        )
+        start, end = self.times[[0, -1]].tolist()
+        return root_mean_squares(own.linear().rows(rows), start, end, added, lambda times: own.values(times)[chosen])
 
     @cached_property
     def largest(self) -> list[Largest]:
