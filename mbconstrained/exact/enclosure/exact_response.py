@@ -77,14 +77,12 @@ ZERO = flint.fmpq(0)
 
 
 class Inverse(Protocol):
-    """A(s)^-1 as numerators over a determinant."""
+    """A(s)^-1 b as ``numerators(b)`` over a determinant."""
 
     @property
-    def determinant(self) -> flint.fmpq_poly:
-        """The denominator."""
+    def determinant(self) -> flint.fmpq_poly: ...
 
-    def numerators(self, b: Sequence[flint.fmpq_poly]) -> list[flint.fmpq_poly]:
-        """A(s)^-1 b times the denominator."""
+    def numerators(self, b: Sequence[flint.fmpq_poly]) -> list[flint.fmpq_poly]: ...
 
 
 class RationalResponse:
@@ -191,12 +189,12 @@ def _partial_fractions(factors, denominator: flint.fmpz_poly, numerators: Sequen
     return poles
 
 
-class Begun:
-    """The sum of the responses that have begun by a time, polynomials in t and sums of modes about t = 0, in ``size`` rows, at the working precision.
+# A later call is moved to t = 0 once, (t - b)^k e^(z (t - b)) being e^(-z b) times a sum of powers of t times e^(z t): at each time every mode
+# has one exponential, however many calls there are. What is rational is summed exactly, so that it cancels exactly.
 
-    A later call is moved to t = 0 once, (t - b)^k e^(z (t - b)) being e^(-z b) times a sum of powers of t times e^(z t): at each time every mode has one
-    exponential, however many calls there are. What is rational is summed exactly, so that it cancels exactly.
-    """
+
+class Begun:
+    """The sum of the responses that have begun by a time, polynomials in t and sums of modes about t = 0, in ``size`` rows."""
 
     def __init__(self, size: int):
         self.size = size
@@ -631,24 +629,20 @@ def exact_fraction_response(
     numerator: Sequence[Fraction], denominator: Sequence[Fraction], gamma: int | ImpulsiveSmooth
 ) -> ExactResponse:
     """y with a(d/dt) y = b(d/dt) u from rest, u = I_gamma or an input with one row; b and a with the lowest power first."""
-    b, unit = polynomial(numerator), (flint.fmpq(1),)
     if isinstance(gamma, ImpulsiveSmooth):
         acting = sources_of(gamma)
     else:
         shape = Shape(ONE, S**gamma) if gamma > 0 else Shape(S**-gamma)
-        acting = (ExactSource(shape, unit, flint.fmpq(0), flint.fmpq(1)),)
-    sources = [
-        ExactSource(Shape(b * one.shape.numerator, one.shape.denominator), one.vector, one.time, one.factor) for one in acting
-    ]
-    a = RationalMatrix([[[c]] for c in denominator])
-    return ExactResponse(a, np.zeros((len(denominator) - 1, 1)), sources)
+        acting = (ExactSource(shape, (flint.fmpq(1),), ZERO, flint.fmpq(1)),)
+    sources = [replace(one, shape=one.shape.times(polynomial(numerator))) for one in acting]
+    return ExactResponse(RationalMatrix([[[c]] for c in denominator]), np.zeros((len(denominator) - 1, 1)), sources)
 
 
 def exact_combination(row: np.ndarray, A: PolynomialMatrix, initial: np.ndarray, force: ImpulsiveSmooth) -> ExactResponse:
     """The function N(d/dt) f with the values at 0-, N(s) (F(s) + X_in(s)), for a polynomial row N, shape (degree + 1, m)."""
     polynomials = [polynomial(column) for column in row.T]
     sources = [
-        replace(source, shape=Shape(source.shape.numerator * p, source.shape.denominator), vector=(entry,))
+        replace(source, shape=source.shape.times(p), vector=(entry,))
         for source in sources_of(force)
         for p, entry in zip(polynomials, source.vector)
         if p and entry

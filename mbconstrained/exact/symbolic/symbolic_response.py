@@ -421,12 +421,12 @@ def _constant(like: sympy.Poly, value) -> sympy.Poly:
     return sympy.Poly([value], like.gen, domain=like.domain)
 
 
-def regular_parts(size: int, transform: Sequence[Quotient], time: sympy.Expr) -> list[sympy.Expr]:
-    """The functions of time whose transforms are the strictly proper parts of quotients: sums over factors, modes and powers of t.
+# At a root x of a factor q^k a quotient is the sum of c_j(x) / (s - x)^j, j = 1 ... k, and more. The c_j are the same polynomials for
+# all roots of q, with coefficients in K, computed in K[x]/q; no root is.
 
-    At a root x of a factor q^k a quotient is the sum of c_j(x) / (s - x)^j, j = 1 ... k, and more. The c_j are the same polynomials for
-    all roots of q, with coefficients in K, computed in K[x]/q; no root is.
-    """
+
+def regular_parts(size: int, transform: Sequence[Quotient], time: sympy.Expr) -> list[sympy.Expr]:
+    """The functions of time whose transforms are the strictly proper parts of quotients: sums over factors, modes and powers of t."""
     roots = {q: modes(q) for quotient in transform for q, _ in quotient.factors}  # before the long part: not all have a closed form
     principal: dict[tuple[sympy.Poly, int], dict[tuple[int, sympy.Expr], sympy.Poly]] = {}
     for quotient in transform:
@@ -463,19 +463,7 @@ def time_expression(
     gamma: int,
     t: sympy.Symbol | None = None,
 ) -> sympy.Expr:
-    """y(t), t >= 0, whose transform is b(s) / (a(s) s^gamma), its polynomial part as derivatives of Dirac's delta.
-
-    Symbols in the coefficients are positive and generic: the result holds where no two roots of different
-    factors meet and no root of a factor is double, and everywhere else as a limit. Where the sign of w^2 in a factor
-    (s + d)^2 + w^2 depends on the values of the symbols, the result is written with cos(w t) and sin(w t) and holds for
-    w^2 < 0 as well; w^2 = 0 is a limit. Roots of degree 1 and 2 and quartics over one square root are in radicals.
-
-    >>> time_expression([Fraction(2)], [Fraction(2), Fraction(2), Fraction(1)], 0)
-    2*exp(-t)*sin(t)
-    >>> k, m = sympy.symbols("k m", positive=True)
-    >>> time_expression([Fraction(1)], [k, Fraction(0), m], 0)
-    sin(sqrt(k)*t/sqrt(m))/(sqrt(k)*sqrt(m))
-    """
+    """y(t), t >= 0, whose transform is b(s) / (a(s) s^gamma), its polynomial part as derivatives of Dirac's delta; symbols as in ``solve_symbolically``."""
     if isinstance(gamma, bool) or not isinstance(gamma, numbers.Integral):
         raise InputError(f"gamma: found {gamma!r}; expected a whole number")
     given = [_exact(numerator, "numerator"), _exact(denominator, "denominator")]
