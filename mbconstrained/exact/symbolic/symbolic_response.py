@@ -62,7 +62,7 @@ class TimeTerm:
 
     @property
     def is_constant(self) -> bool:
-        return self.impulse is None and not self.power and self.rate == self.frequency == self.start == 0
+        return self.impulse is None and not self.power and self.rate == self.frequency == self.phase == self.start == 0
 
     def scaled(self, factor: sympy.Expr) -> TimeTerm:
         return replace(self, coefficient=self.coefficient * factor)
@@ -157,9 +157,9 @@ def _product(ones: list[TimeTerm], others: list[TimeTerm]) -> list[TimeTerm]:
 
 
 def _times(one: TimeTerm, other: TimeTerm) -> list[TimeTerm]:
-    if one.is_constant and not one.phase:
+    if one.is_constant:
         return [other.scaled(one.coefficient)]
-    if other.is_constant and not other.phase:
+    if other.is_constant:
         return [one.scaled(other.coefficient)]
     if one.impulse is not None or other.impulse is not None:
         raise InputError(
@@ -301,10 +301,10 @@ class ResponseTransform:
             vector = [self._polynomial(entry) for entry in source.numerator]
             for generator, factor in _amplitudes(field, source.amplitude).items():
                 before = group.setdefault(generator, [0 * p for p in vector])
-                group[generator] = [b + p * _constant(p, factor) for b, p in zip(before, vector, strict=True)]
+                group[generator] = [b + p.mul_ground(factor) for b, p in zip(before, vector, strict=True)]
         determinant = A.determinant.set_domain(field)
         adjugate = [[p.set_domain(field) for p in row] for row in A.adjugate]
-        scale = _constant(determinant, field.one / determinant.rep.to_list()[0])
+        zero, scale = 0 * determinant, field.one / determinant.rep.to_list()[0]
         of_det = factors_of(determinant)
         quotients = []
         for (below, power), group in groups.items():
@@ -313,7 +313,7 @@ class ResponseTransform:
                 factors[q] = factors.get(q, 0) + k * power
             numerators = {
                 generator: [
-                    sum((p * e for p, e in zip(row, b, strict=True) if not e.is_zero), scale * 0) * scale for row in adjugate
+                    sum((p * e for p, e in zip(row, b, strict=True) if not e.is_zero), zero).mul_ground(scale) for row in adjugate
                 ]
                 for generator, b in group.items()
             }
@@ -417,10 +417,6 @@ def _amplitudes(field: Domain, expression: sympy.Expr) -> dict[sympy.Expr, objec
     return {generator: factor for generator, factor in factors.items() if factor}
 
 
-def _constant(like: sympy.Poly, value) -> sympy.Poly:
-    return sympy.Poly([value], like.gen, domain=like.domain)
-
-
 # At a root x of a factor q^k a quotient is the sum of c_j(x) / (s - x)^j, j = 1 ... k, and more. The c_j are the same polynomials for
 # all roots of q, with coefficients in K, computed in K[x]/q; no root is.
 
@@ -481,7 +477,7 @@ def time_expression(
     b, a = (b, a * power) if gamma > 0 else (b * power, a)
     common = a.gcd(b)
     b, a = b.quo(common), a.quo(common)
-    impulses, rest = (p * _constant(p, field.one / a.rep.to_list()[0]) for p in b.div(a.monic()))
+    impulses, rest = (p.mul_ground(field.one / a.rep.to_list()[0]) for p in b.div(a.monic()))
     coefficients = reversed(impulses.rep.to_list())
     total = [expression_of(field, c) * delta(t, k) for k, c in enumerate(coefficients) if c]
     expression = sympy.Add(*total, *regular_parts(1, [Quotient({sympy.S.One: [rest]}, factors_of(a))], t))
