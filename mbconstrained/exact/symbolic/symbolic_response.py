@@ -323,23 +323,22 @@ class ResponseTransform:
     @cached_property
     def laurent(self) -> dict[int, list[Combination]]:
         """The coefficients of s^p of X near infinity, p >= -q, one combination for each coordinate."""
-        A, field = self.A, self.field
-        series: dict[int, list[Combination]] = {-1 - i: [{} for _ in range(A.size)] for i in range(A.degree)}
+        size, degree, terms = self.A.size, self.A.degree, []
         for quotient in self.quotients:
-            below = sympy.prod((q**k for q, k in quotient.factors), sympy.Poly(1, A.variable, domain=field))
-            ring = SymbolicRing.of(below)
+            below = sympy.prod((q**k for q, k in quotient.factors), sympy.Poly(1, self.A.variable, domain=self.field))
             for generator, numerators in quotient.numerators.items():
                 for i, numerator in enumerate(numerators):
-                    if numerator.is_zero:
-                        continue
-                    highest = numerator.degree() - below.degree()
-                    powers = range(highest, -A.degree - 1, -1)
-                    for power, c in zip(powers, series_at_infinity(ring, numerator, below, highest), strict=False):
-                        row = series.setdefault(power, [{} for _ in range(A.size)])
-                        row[i][generator] = row[i].get(generator, field.zero) + c
-        for power in range(max(series, default=-1) + 1):
-            series.setdefault(power, [{} for _ in range(A.size)])
-        return {power: [{g: c for g, c in entry.items() if c} for entry in row] for power, row in series.items()}
+                    if not numerator.is_zero:
+                        first = numerator.degree() - below.degree()
+                        terms.append((i, generator, first, series_at_infinity(SymbolicRing.of(below), numerator, below, first)))
+        total: dict[int, list[Combination]] = {}
+        for power in range(max([-1, *(first for _, _, first, _ in terms)]), -degree - 1, -1):
+            row: list[Combination] = [{} for _ in range(size)]
+            for i, generator, first, series in terms:
+                if power <= first:
+                    row[i][generator] = row[i].get(generator, self.field.zero) + next(series)
+            total[power] = [{g: c for g, c in entry.items() if c} for entry in row]
+        return total
 
     def combined(self, combination: Combination) -> sympy.Expr:
         """The sum of amplitudes and their factors."""
