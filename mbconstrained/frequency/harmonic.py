@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from copy import copy
 from dataclasses import dataclass, field
@@ -75,8 +75,11 @@ class Lines:
 class StructuredSolver:
     """C A(i w)^-1 B by elimination along the pattern of A(s)."""
 
-    def __init__(self, coefficients, inputs, outputs, sizes=None, delayed: Sequence[DelayedTerm] = ()):
-        """The matrices of one transfer function, A(s) with its delayed terms."""
+    def __init__(
+        self, coefficients, inputs, outputs, sizes=None, delayed: Sequence[DelayedTerm] = (), *, is_assembled: bool = False
+    ):
+        """The matrices of one transfer function, A(s) with its delayed terms; coefficients that are assembled are rounded."""
+        self.is_assembled = is_assembled
         coefficients = np.asarray(coefficients)
         self.powers, self.delays = np.arange(len(coefficients)), np.zeros(len(coefficients))
         largest = np.abs(coefficients)
@@ -210,6 +213,8 @@ class StructuredSolver:
         """Steps of refinement with residuals in extended precision, and the error after them."""
         unit, X = float(np.finfo(np.longdouble).eps), X.astype(np.clongdouble)
         sizes = LINE_ROUNDING * (unit * self.sizes + EPS * (self.sizes - np.abs(self.coefficients)))
+        if self.is_assembled:
+            sizes = sizes + EPS / 2 * np.abs(self.coefficients)
         residual, _ = self.terms(nu, X, sizes)
         error = np.inf
         for _ in range(STEPS):
@@ -473,6 +478,7 @@ class Harmonic:
         input_delays: dead time of each input in s, H_j(s) e^(-s delay_j); empty for none. Poles, residues, polynomial part and the
             solver are those without it.
         output_quantities: the quantity of each output; empty where all have that of the response.
+        elements: returns A(s) by the elements that A is assembled from; None where A is the data.
     """
 
     A: PolynomialMatrix
@@ -490,6 +496,7 @@ class Harmonic:
     delayed: tuple[DelayedTerm, ...] = ()
     input_delays: tuple[float, ...] = ()
     output_quantities: tuple[str, ...] = ()
+    elements: Callable[[], PolynomialMatrix] | None = None
 
     def quantity_of(self, outputs: Sequence[int] | None = None) -> str:
         """The quantities of all outputs, or of some by their places, as text."""
@@ -515,7 +522,9 @@ class Harmonic:
     @cached_property
     def solver(self) -> StructuredSolver:
         """Solutions at given lines."""
-        return StructuredSolver(self.coefficients, self.inputs, self.outputs, self.sizes, self.delayed)
+        return StructuredSolver(
+            self.coefficients, self.inputs, self.outputs, self.sizes, self.delayed, is_assembled=self.elements is not None
+        )
 
     def check(self, frequencies: np.ndarray) -> None:
         """Raise an InputError for frequencies beyond the range of the computation."""

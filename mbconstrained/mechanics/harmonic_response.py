@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cache
+from functools import cache, partial
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -25,6 +25,7 @@ from ..ground.errors import InputError
 from ..ground.named_arrays import named_array
 from ..ground.tolerances import EPS, SAME_FREQUENCY
 from ..linalg.arrays import full
+from ..polynomial.coefficients import Factors
 from ..polynomial.delayed_terms import DelayedTerm
 from ..polynomial.polynomial_matrix import PolynomialMatrix
 from ..signals.impulsive import ExactInput, ExactRecord, ExactTerm, ImpulsiveSmooth
@@ -132,7 +133,7 @@ def harmonic_equations(system, inputs, outputs, quantity, modal_damping, loss_fa
         A = PolynomialMatrix(coefficients, distinct, equations)
         delayed = delayed_unknowns(system, A.size)
         arrays = A, B, C, power, imaginary, sizes, input_names, output_names, table, quantity
-        return Harmonic(*arrays, delayed=delayed, output_quantities=kinds)
+        return Harmonic(*arrays, delayed=delayed, output_quantities=kinds, elements=_by_elements(system, coefficients))
     table = np.array([[ratio(other, one.unit) for other in below] for one in known_outputs])
     m, size = B.shape[1], len(B)
     wide = [np.pad(matrix, ((0, m), (0, m))) for matrix in coefficients]
@@ -142,7 +143,8 @@ def harmonic_equations(system, inputs, outputs, quantity, modal_damping, loss_fa
     imaginary = None if imaginary is None else np.pad(imaginary, pad)
     sizes = None if sizes is None else np.array([np.pad(matrix, pad) for matrix in sizes])
     select, delayed = np.eye(size + m)[size:], delayed_unknowns(system, size + m)
-    return Harmonic(A, select.T, select, 0, imaginary, sizes, output_names, input_names, table.T, quantity, delayed=delayed)
+    arrays = A, select.T, select, 0, imaginary, sizes, output_names, input_names, table.T, quantity
+    return Harmonic(*arrays, delayed=delayed, elements=_by_elements(system, wide))
 
 
 def delayed_unknowns(system: EquationsOfMotion, size: int) -> tuple[DelayedTerm, ...]:
@@ -287,6 +289,22 @@ def saddle_point(
         sizes[1, :n, :n] += damping_sizes
     H = structural_damping(system, loss_factor)
     return coefficients, None if H is None else np.pad(H, (0, len(A))), sizes
+
+
+def _by_elements(system: EquationsOfMotion, coefficients: Sequence[np.ndarray]) -> Callable[[], PolynomialMatrix] | None:
+    """A(s) with the elements of the system in the place of its assembled matrices; None where it has none."""
+    return partial(_of_elements, system, coefficients) if any(isinstance(one, ElementMatrix) for one in system.given) else None
+
+
+def _of_elements(system: EquationsOfMotion, coefficients: Sequence[np.ndarray]) -> PolynomialMatrix:
+    n, size, result = system.size, len(coefficients[0]), list[np.ndarray | Factors](coefficients)
+    for order, (whole, matrix) in enumerate(zip(coefficients, system.given)):
+        if isinstance(matrix, ElementMatrix) and (whole[:n, :n] == matrix.matrix).all():  # not with damping of modes
+            directions, rest = np.pad(matrix.directions, ((0, 0), (0, size - n))), whole.copy()
+            rest[:n, :n] = 0.0
+            values = np.append(matrix.constants, np.ones(size))
+            result[order] = Factors(np.hstack([directions.T, np.eye(size)]), values, np.vstack([directions, rest]))
+    return PolynomialMatrix(result)
 
 
 def structural_damping(system: EquationsOfMotion, loss_factor) -> np.ndarray | None:
@@ -462,10 +480,11 @@ def steady_state(
     C = np.vstack([np.diag(np.repeat([1.0, -1.0], [n, len(rows)])) @ np.eye(len(names), len(B)), of_outputs])
     answers, errors = np.zeros((len(C), len(omegas)), dtype=complex), np.zeros(len(omegas))
     labels = ("real part", "imaginary part"), (*names, *(one.name for one in further)), np.full((len(C), 2), "")
-    delayed = delayed_unknowns(system, A.size)
+    delayed, elements = delayed_unknowns(system, A.size), _by_elements(system, coefficients)
     for line, omega in enumerate(omegas):
         parts = B @ np.stack([loads[omega].real, loads[omega].imag], axis=1)
-        at_line = Harmonic(A, parts, C, 0, imaginary if omega else None, sizes, *labels, delayed=delayed)
+        own = imaginary if omega else None
+        at_line = Harmonic(A, parts, C, 0, own, sizes, *labels, delayed=delayed, elements=elements)
         H = evaluated(at_line, [omega / (2 * np.pi)])
         if H.poles_on_lines:
             if not omega:
