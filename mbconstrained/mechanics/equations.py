@@ -13,12 +13,12 @@ import numpy as np
 
 from ..ground.by_name import answering
 from ..ground.checks import constant_zeros, counted, is_sparse, names_of, nearest, real_array, real_number
-from ..ground.coordinate_units import coordinate_units
 from ..ground.display import Pictured, TextTable, notice_table
 from ..ground.errors import InputError
 from ..ground.notices import Notice, NoticeKind
 from ..ground.threads import short_work
 from ..ground.tolerances import noise_of
+from ..ground.units import coordinate_units
 from ..polynomial.delayed_terms import DelayedTerm, delayed_terms
 from ..polynomial.polynomial_matrix import PolynomialMatrix
 from ..signals.inputs import ImpulsiveSmooth, named_rows, step, zero
@@ -29,6 +29,7 @@ from .energy import CoordinateParts, EnergyParts, checked_parts
 from .parameter import Parameter, entry_parameters
 
 if TYPE_CHECKING:
+    from ..frequency.harmonic import Harmonic
     from .sparse.pencil import ReducedPencil
 
 Side = Literal["inputs", "outputs"]
@@ -70,6 +71,7 @@ class EquationsOfMotion(Pictured):
         speed_tables: bearings whose coefficients change with the speed.
         whirl_matrix: S of ``Campbell.whirl``, shape (n, n); None for that of the gyroscopic moments.
         delayed: the terms with dead time, ascending by it; none without.
+        last_harmonic: the matrices of the last frequency response, with what they have computed for the next one alike.
         unbalance: u of the force W^2 Re(u e^{i W t}) of the unbalance, complex, in kg m, shape (n,); None if there is none.
     """
 
@@ -88,6 +90,7 @@ class EquationsOfMotion(Pictured):
     whirl_matrix: np.ndarray | None = None
     unbalance: np.ndarray | None = None
     delayed: tuple[DelayedTerm, ...] = ()
+    last_harmonic: Harmonic | None = None
 
     def __init__(
         self,

@@ -19,11 +19,11 @@ import numpy as np
 from ..frequency.frequency_response import FrequencyResponse, evaluated
 from ..frequency.harmonic import Harmonic
 from ..ground.checks import check_known, counted, nearest, real_array, real_number, whole_number
-from ..ground.coordinate_units import force_unit, rate_unit, ratio_unit
 from ..ground.display import Displayed, TextTable, number_text
 from ..ground.errors import InputError
 from ..ground.named_arrays import named_array
-from ..ground.tolerances import EPS, SAME_FREQUENCY
+from ..ground.tolerances import EPS, FLOAT64_DIGITS, SAME_FREQUENCY
+from ..ground.units import force_unit, rate_unit, ratio_unit
 from ..linalg.arrays import full
 from ..polynomial.coefficients import Factors
 from ..polynomial.delayed_terms import DelayedTerm
@@ -100,7 +100,8 @@ def frequency_response(
 ) -> FrequencyResponse:
     """``MechanicalSystem.frequency_response``."""
     harmonic = harmonic_equations(system, inputs, outputs, quantity, modal_damping, loss_factor, relative_to, count)
-    return evaluated(replace(harmonic, notices=system.notices), frequencies_hz)
+    system.last_harmonic = harmonic = replace(harmonic, notices=system.notices).known(system.last_harmonic)
+    return evaluated(harmonic, frequencies_hz)
 
 
 def harmonic_equations(system, inputs, outputs, quantity, modal_damping, loss_factor, relative_to=None, count=None) -> Harmonic:
@@ -479,31 +480,32 @@ def steady_state(
     A = PolynomialMatrix(coefficients, [*names, *(f"output {number}" for number in range(1, len(B) - len(names) + 1))])
     C = np.vstack([np.diag(np.repeat([1.0, -1.0], [n, len(rows)])) @ np.eye(len(names), len(B)), of_outputs])
     answers, errors = np.zeros((len(C), len(omegas)), dtype=complex), np.zeros(len(omegas))
-    labels = ("real part", "imaginary part"), (*names, *(one.name for one in further)), np.full((len(C), 2), "")
-    delayed, elements = delayed_unknowns(system, A.size), _by_elements(system, coefficients)
-    for line, omega in enumerate(omegas):
-        parts = B @ np.stack([loads[omega].real, loads[omega].imag], axis=1)
-        own = imaginary if omega else None
-        at_line = Harmonic(A, parts, C, 0, own, sizes, *labels, delayed=delayed, elements=elements)
-        H = evaluated(at_line, [omega / (2 * np.pi)])
+    labels, outputs = ("real part", "imaginary part"), (*names, *(one.name for one in further))
+    elements = _by_elements(system, coefficients)
+    delayed, count, f = delayed_unknowns(system, A.size), len(names), np.array(omegas) / (2 * np.pi)
+    for columns, weights, lines in _alike([B @ loads[omega] for omega in omegas], f):
+        m = columns.shape[1]
+        of_lines = Harmonic(
+            A, columns, C, 0, imaginary if f[lines[0]] else None, sizes, labels[:m], outputs, np.full((len(C), m), "")
+        )
+        H = evaluated(replace(of_lines, delayed=delayed, elements=elements), f[lines])
         if H.poles_on_lines:
-            if not omega:
+            if not (at := H.poles_on_lines[0].frequency_hz):
                 raise InputError(
                     "force: its constant part moves a body that nothing restores away without end; there is no steady state"
                 )
             raise InputError(
-                f"force: at {number_text(omega / (2 * np.pi))} Hz it acts on an undamped motion of this frequency, which grows; "
+                f"force: at {number_text(at)} Hz it acts on an undamped motion of this frequency, which grows; "
                 "there is no steady state without damping"
             )
-        answers[:, line] = H.values[..., 0] @ [1.0, 1j]
-        size = np.abs(H.values[: len(names), :, 0])
-        errors[line] = (H.error_estimate[: len(names), :, 0] * size).max() / max(size.max(), np.finfo(float).tiny)
-    count = len(names)
+        answers[:, lines] = np.einsum("pml,ml->pl", H.values, weights)
+        size = np.abs(H.values[:count])
+        largest = np.maximum(size.max(axis=(0, 1)), np.finfo(float).tiny)
+        errors[lines] = (H.error_estimate[:count] * size).max(axis=(0, 1)) / largest
     answers[count:] *= (1j * np.array(omegas)) ** power
     if omegas and not omegas[0]:
         answers[count:, 0] += constants
     units = {**system.units, **{row.name: force_unit(row.unit) for row in rows}}
-    f = np.array(omegas) / (2 * np.pi)
     motion = None
     turns = np.array(omegas) * (period or 0.0) / (2 * np.pi)
     repeats = (np.abs(turns - np.rint(turns)) <= SAME_FREQUENCY * np.maximum(turns, 1.0)).all()
@@ -517,17 +519,31 @@ def steady_state(
     return SteadyState(system.names, names[n:], f, *amplitudes, errors, units, period, motion, *further_values)
 
 
+def _alike(loads: Sequence[np.ndarray], frequencies: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray, list[int]]]:
+    """Lines whose loads are multiples of each other: real columns (r, m), the factors of these (m, L), and the L lines."""
+    groups: dict[tuple, tuple[np.ndarray, list[list[complex]], list[int]]] = {}
+    for line, (load, frequency) in enumerate(zip(loads, frequencies)):
+        factor = load[np.abs(load).argmax()] or 1.0
+        columns, weights = (load / factor)[:, None], [factor]
+        if (np.abs(columns.imag) > 4 * EPS).any():
+            columns, weights = np.stack([load.real, load.imag], axis=1), [1.0, 1j]
+        key = bool(frequency), np.round(columns.real, FLOAT64_DIGITS - 2).tobytes()
+        _, factors, lines = groups.setdefault(key, (columns.real, [], []))
+        factors.append(weights)
+        lines.append(line)
+    return ((columns, np.array(factors).T, lines) for columns, factors, lines in groups.values())
+
+
 def _periodic_motion(system: EquationsOfMotion, force: ImpulsiveSmooth | None, period: float) -> Motion | None:
     """The motion whose values just before the end of a period equal those at its start; None where it is not determined."""
     n = system.size
-    forced = system.solve(force=force)
-    end = np.array([forced.displacement(period), forced.velocity(period)])
+    forced, starts = system.solve(force=force), np.eye(2 * n + 1, 2 * n, -1)  # from rest, and from each unit value
+    several = system.solve(starts[:, :n], starts[:, n:], force=force)
+    ends = np.hstack([several.displacement(period), several.velocity(period)])
+    end, transition = ends[0].reshape(2, n), ends[1:] - ends[0]
     before = end - sum(
         (one.jump[:2] for one in forced.events if abs(one.time - period) <= SAME_FREQUENCY * period), np.zeros((2, n))
     )
-    starts = np.concatenate([np.eye(n), np.zeros((n, n))]), np.concatenate([np.zeros((n, n)), np.eye(n)])
-    several = system.solve(*starts, force=force)
-    transition = np.hstack([several.displacement(period), several.velocity(period)]) - end.reshape(-1)
     sizes = np.repeat([1.0, 2 * np.pi / period], n)  # of displacements and velocities
     difference = (np.eye(2 * n) - transition.T) * sizes / sizes[:, None]
     if not np.linalg.cond(difference) < EPS**-0.5:  # a free body may be anywhere

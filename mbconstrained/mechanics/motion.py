@@ -12,11 +12,11 @@ import numpy as np
 
 from ..exchange.trajectories import RATES, Curves
 from ..ground.checks import counted, nearest, real_array, whole_number
-from ..ground.coordinate_units import force_unit, impulse_unit, rate_unit
 from ..ground.errors import InputError, within_float64
 from ..ground.named_arrays import named_array
 from ..ground.notices import Notice, NoticeKind
 from ..ground.tolerances import EPS, noise_of
+from ..ground.units import force_unit, impulse_unit, rate_unit
 from ..linalg.rank import Noisy
 from ..response.choose import Request
 from ..response.estimate import error_estimate

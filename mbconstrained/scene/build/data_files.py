@@ -30,8 +30,6 @@ from ...ground.quantities import (
     unit_name,
     unit_of,
 )
-from ...signals.baseline import baseline as baseline_of
-from ...signals.baseline import integrals
 from ...signals.inputs import ImpulsiveSmooth, sampled
 from ..file import SceneFolder
 from ..quantities.coordinates import force_value
@@ -211,6 +209,11 @@ def record_in_si(
     values = values + size if (size := _offset(offset, own_unit)) else values
     _check_sizes(samples, times, values)
     times, values = along.part(samples.file, times, values, start, end)
+    if times[0] > times[-1] - times[0]:
+        notes.append(
+            f'it begins at {times[0]:.12g} s, which is longer than it lasts, and has no effect before; start = "{times[0]:.12g} s" '
+            "makes this t = 0"
+        )
     if baseline is not None:
         values, note = _without_baseline(times, values, own_unit, baseline, baseline_fit)
         notes.append(note)
@@ -276,8 +279,9 @@ class _Abscissa:
 
 def _without_baseline(times, values, unit: str, degree: str, fit: str) -> tuple[np.ndarray, str]:
     """The values without their baseline, and a sentence on its size and its effect."""
-    line = baseline_of(times, values, degree, fit)
-    removed = line(times)
+    from ...exchange.samples import baseline, integrals
+
+    removed = baseline(times, values, degree, fit)(times)
     most, peak = np.abs(removed).max(), np.abs(values).max()
     share = f" ({most / peak:.2g} of the largest value)" if peak else ""
     fitted = "record" if fit == "record" else "integral of the record"
