@@ -473,8 +473,9 @@ def _symmetric_modes(M: np.ndarray, C: np.ndarray, K: np.ndarray) -> tuple[np.nd
         if (real := values.imag == 0).any():
             values, X = np.concatenate([values, -values[real]]), np.hstack([X, X[:, real]])
     moduli = np.abs(values)
-    spread = moduli.max() / moduli.min()
-    return None if not np.isfinite(spread) or is_worthwhile(spread, len(M) * 2) else (values, X)
+    if not (np.isfinite(moduli).all() and moduli.all()) or is_worthwhile(moduli.max() / moduli.min(), len(M) * 2):
+        return None
+    return values, X
 
 
 def _damped_modes(M: np.ndarray, C: np.ndarray, K: np.ndarray) -> tuple[np.ndarray, np.ndarray] | tuple[None, None]:
