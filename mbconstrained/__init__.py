@@ -127,9 +127,9 @@ if TYPE_CHECKING:
     from .scene.build.data_files import Record as Record
     from .scene.build.data_files import read_record as read_record
     from .scene.build.robot_file import read_robot as read_robot
-    from .scene.quantities.variations import linspace as linspace
     from .scene.run.scene import Scene as Scene
     from .scene.run.scene import read_scene as read_scene
+    from .scene.variations import linspace as linspace
     from .signals.approximated import Approximation as Approximation
     from .signals.approximated import approximated as approximated
     from .signals.bohl import BohlFunction as BohlFunction
@@ -216,7 +216,7 @@ _NAMES = {
     "robot.tangent": "JointGear",
     "scene.build.data_files": "Record read_record",
     "scene.build.robot_file": "read_robot",
-    "scene.quantities.variations": "linspace",
+    "scene.variations": "linspace",
     "scene.run.scene": "Scene read_scene",
     "signals.approximated": "Approximation approximated",
     "signals.bohl": "BohlFunction",

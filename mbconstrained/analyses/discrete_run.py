@@ -23,8 +23,8 @@ from ..page.animation import MOST_FRAMES, MOST_POSES, Animation
 from ..page.content import Curve, Marks, Plot
 from ..response.discrete import DiscreteResponse, discrete_force, from_start
 from ..scene.build.model import Equations
+from ..scene.coordinates import Coordinates
 from ..scene.file import at
-from ..scene.quantities.coordinates import Coordinates
 from ..scene.run.drawing import drawing_of
 from ..scene.run.result import start_notices
 from ..signals.impulsive import ImpulsiveSmooth

@@ -17,7 +17,7 @@ from ..ground.tolerances import noise_of
 from ..page.animation import ModePicture, Shapes, Share, cycle
 from ..response.response_notices import pair_notices
 from ..scene.build.robot_model import posture_json, posture_tables, robot_fact
-from ..scene.quantities.coordinates import Coordinates
+from ..scene.coordinates import Coordinates
 from ..scene.run.drawing import ShapeDrawing
 from ..scene.run.result import Result
 from .base import Analysis, Answer

@@ -35,8 +35,8 @@ from ..response.response import Response
 from ..scene.build.data_files import Record
 from ..scene.build.model import Equations
 from ..scene.build.robot_model import RobotEquations, RobotScene
+from ..scene.coordinates import Coordinates
 from ..scene.file import SceneName
-from ..scene.quantities.coordinates import Coordinates
 from ..scene.run.drawing import check_drawing
 from ..scene.run.scene import Scene, check_output
 from ..scene.run.scene_data import UNWRITTEN

@@ -19,8 +19,8 @@ from ..ground.units import rate_unit
 from ..mechanics.peaks import QUANTITIES, Peaks
 from ..page.content import Curve, Guide, Plot, Scale, power_label, raised
 from ..scene.build.data_files import record_in_si
+from ..scene.coordinates import OutputUnits
 from ..scene.file import at
-from ..scene.quantities.coordinates import OutputUnits
 from ..scene.run.result import Result
 from ..scene.schema.analysis_tables import ShockTable
 from ..signals.impulsive import ImpulsiveSmooth

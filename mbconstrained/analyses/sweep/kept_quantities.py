@@ -24,7 +24,7 @@ from ..random import random_response
 
 if TYPE_CHECKING:
     from ...mechanics.switched.switched_motion import SwitchEvent
-    from ...scene.quantities.coordinates import OutputUnits
+    from ...scene.coordinates import OutputUnits
     from ...scene.run.scene import Scene
 
 #: Natural frequencies that are kept, lowest first.

@@ -31,8 +31,8 @@ from ...ground.quantities import (
     unit_of,
 )
 from ...signals.inputs import ImpulsiveSmooth, sampled
+from ..coordinates import force_value
 from ..file import SceneFolder
-from ..quantities.coordinates import force_value
 
 if TYPE_CHECKING:
     from ...exchange.samples import Samples

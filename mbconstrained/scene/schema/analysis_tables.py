@@ -13,7 +13,7 @@ from pydantic import BeforeValidator, Field, PlainValidator, WithJsonSchema, fie
 from ...frequency.random.spectra import Spectrum, kanai_tajimi, psd, road_profile, white_noise
 from ...ground.errors import InputError, named, shown
 from ...ground.quantities import number_and_unit, quantity
-from ..quantities.variations import FORMS, Variation, variation_of
+from ..variations import FORMS, Variation, variation_of
 from .entry_types import (
     NUMBER_SCHEMA,
     NUMBERS_SCHEMA,

@@ -16,12 +16,12 @@ from fractions import Fraction
 from graphlib import CycleError, TopologicalSorter
 from typing import Any
 
-from ...ground.checks import nearest
-from ...ground.errors import InputError, SceneError, quoted, shown
-from ...ground.notices import Notice, NoticeKind
-from ...ground.quantities import Dimension, Expressed, OfParameters, any_quantity, described, in_range, unit_of
-from ...ground.units import is_accepted
-from ..file import Place, place, together
+from ..ground.checks import nearest
+from ..ground.errors import InputError, SceneError, quoted, shown
+from ..ground.notices import Notice, NoticeKind
+from ..ground.quantities import Dimension, Expressed, OfParameters, any_quantity, described, in_range, unit_of
+from ..ground.units import is_accepted
+from .file import Place, place, together
 
 LONGEST_EXPRESSION = 200  # characters
 LARGEST_EXPONENT = 20
