@@ -611,7 +611,7 @@ def shock_response_spectrum(
             times, values = _resampled(times, values, float(f.max()))
             text = f"the record is read as band-limited, resampled to {counted(len(times), 'sample')}"
         else:
-            text = 'the record is read as linear between its samples; interpolation="band-limited" reads it without frequencies above half of its rate'
+            text = 'the record is read as linear between its samples; interpolation "band-limited" reads it without frequencies above half of its rate'
         notices.append(Notice(NoticeKind.ACCURACY, text))
     if samples is None:
         each = [Oscillator(2 * np.pi * own, zeta) for own in f.tolist()]

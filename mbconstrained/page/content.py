@@ -21,6 +21,7 @@ _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 #: A unit with a power, but not a name such as "x^2".
 _POWER = re.compile(r"\b(kg|m|s|A|K|mol|cd|rad|N|J)\^(-?\d+)\b")
+_MICRO = re.compile(r"(?:(?<=\d )|(?<=\())u(?=(m|s|g|N|rad|Pa|V|A|J|W)\b)")
 
 
 def typeset(text: str) -> str:
@@ -33,12 +34,12 @@ def typeset(text: str) -> str:
 
 
 def raised(text: str) -> str:
-    """Units with raised powers.
+    """Units with raised powers, micro as µ behind a number or a parenthesis.
 
-    >>> raised("m/s^2")
-    'm/s²'
+    >>> raised("m/s^2"), raised("3 um (um/N)")
+    ('m/s²', '3 µm (µm/N)')
     """
-    return _POWER.sub(lambda power: power[1] + superscript(int(power[2])), text)
+    return _MICRO.sub("µ", _POWER.sub(lambda power: power[1] + superscript(int(power[2])), text))
 
 
 def unit_text(unit: str) -> str:
