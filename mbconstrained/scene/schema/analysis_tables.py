@@ -143,7 +143,9 @@ class FrequencyTable(Table):
     )
     amplitude: Literal["log", "linear", "dB"] = Field("log", description="The axis of the amplitude.")
     phase: Literal["unwrapped", "wrapped"] = Field("unwrapped", description="wrapped: from -180 to 180 degrees.")
-    axis: Annotated[Literal["Hz", "rad/s", "rev/min", "rpm"], AfterValidator(shown_axis)] = Field("Hz", description="The unit of the frequency on the page and in tables.")
+    axis: Annotated[Literal["Hz", "rad/s", "rev/min", "rpm"], AfterValidator(shown_axis)] = Field(
+        "Hz", description="The unit of the frequency on the page and in tables."
+    )
 
     def _check(self) -> None:
         of_range = [key for name, key in self._range_keys if name in self.model_fields_set]
