@@ -109,8 +109,8 @@ def read_record(
             Dates and times of day become seconds after the first; a date is joined with a time of day in the column next to it.
         step: between samples, in s or as text with a unit, of a file without times. Without a column every number of the file is
             a sample, line by line.
-        unit: of the values. By default what stands in parentheses behind the name of the column, where it is a unit, otherwise SI.
-            Formats that fix their unit need none; WAV has shares of full scale.
+        unit: of the values. By default what stands in parentheses behind the name of the column, where it is a unit, otherwise SI;
+            g is the acceleration of gravity, gram a mass. Formats that fix their unit need none; WAV has shares of full scale.
         time_unit: of the times; by default as for the values.
         factor: a number, or a text with a unit that multiplies the unit of the values, e.g. "-1200 kg" for an acceleration.
         offset: is added, a number in SI or a text with a unit.
@@ -182,7 +182,7 @@ def record_in_si(
             f'"{samples.unit[:40]}" behind the name of the column is no known unit; {expected or "SI"} is taken: give unit'
         )
     unit = unit or _readable(samples.unit)
-    unit = unit if unit is None or isinstance(factor, str) else meant(unit, expected)
+    unit = unit if unit is None or isinstance(factor, str) else meant(unit, expected or "m/s^2")  # nothing is recorded in grams
     scale, kind = (1.0, None) if unit is None else _si(unit)
     number, factor_kind = _factor(factor)
     if factor_kind is not None and "1" in (unit, samples.unit):
