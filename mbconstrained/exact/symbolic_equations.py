@@ -13,9 +13,8 @@ from ..ground.errors import ContradictoryConstraints, InputError
 from .closed_form import ClosedForm, FormulaParameter
 from .formula_printers import TextPrinter
 from .symbolic.fields import exact_expression
-from .symbolic.inverse_transform import delta, initial_symbols
 from .symbolic.symbolic_matrix import SymbolicPolynomialMatrix
-from .symbolic.symbolic_response import SymbolicResponse
+from .symbolic.symbolic_response import SymbolicResponse, delta, initial_symbols
 
 
 @dataclass(frozen=True, eq=False)
@@ -219,10 +218,7 @@ def angle(radians: sympy.Expr) -> sympy.Expr:
 def without_implied(
     form: ClosedForm, x: SymbolicResponse, implied: Mapping[str, Mapping[str, sympy.Expr]]
 ) -> dict[str, tuple[sympy.Eq, ...]]:
-    """The admissible and continuous conditions without the values that follow from others.
-
-    Where they cannot be met, since the input jumps, there are none: the jump itself is reported.
-    """
+    """The admissible and continuous conditions without values that follow from others; none where the input jumps, which is reported itself."""
     if not implied:
         return {}
     values, names = initial_symbols(x.polynomial_matrix), x.coordinates

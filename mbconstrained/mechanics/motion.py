@@ -12,11 +12,11 @@ import numpy as np
 
 from ..exchange.trajectories import RATES, Curves
 from ..ground.checks import counted, nearest, real_array, whole_number
-from ..ground.coordinate_units import force_unit, impulse_unit, rate_unit
 from ..ground.errors import InputError, within_float64
 from ..ground.named_arrays import named_array
 from ..ground.notices import Notice, NoticeKind
 from ..ground.tolerances import EPS, noise_of
+from ..ground.units import force_unit, impulse_unit, rate_unit
 from ..linalg.rank import Noisy
 from ..response.choose import Request
 from ..response.estimate import error_estimate
@@ -24,7 +24,7 @@ from ..response.events import Event, without_zeros
 from ..response.methods.proved import ProvedFunction, proved_event
 from ..response.problem import Problem
 from ..response.response import Response
-from ..response.response_notices import first_and_count, kink_notices, remaining_notices, sides, without_kinks
+from ..response.response_notices import later_notices, remaining_notices, sides
 from ..signals.bohl import BohlFunction, BohlSum
 from ..signals.impulsive import ExactTerm, ImpulsiveLoad, ImpulsiveSmooth
 from ..signals.inputs import zero
@@ -96,6 +96,8 @@ def reaction_impulses(system: EquationsOfMotion, response: Response, applied: Im
     loads = {0.0: applied.impulses, **{load.time: load.impulses for load in applied.later}}
     times = sorted({*events, *loads})
     each = [events.get(time, none) for time in times]
+    if not any(event.jump.any() or event.impulses for event in each) and not any(loads.values()):
+        return ()
     # a jump at t = 0 is as inaccurate as the values that it is the difference of, a later one as the largest of its event
     sizes = np.array([np.abs(event.jump).max(axis=1, keepdims=True) + 0 * event.jump for event in each])
     sizes[0] = np.abs(response.initial) + np.abs(response.start)
@@ -413,7 +415,18 @@ class Motion(SystemMotion, Response):
             function = x.function if own is not None else self._reaction_of(x)
             return function.derivative(total) if total else function
 
-        return error_estimate(self, times, view)
+        estimate = error_estimate(self, times, view)
+        return estimate if own is not None else max(estimate, self._cancelled_in_reactions(real_array(times, "time"), order))
+
+    def _cancelled_in_reactions(self, times: np.ndarray, order: int) -> float:
+        """Rounding errors of the terms of G (K x + C x' + M x'' - f) relative to their largest sum, at most 1."""
+        values = np.abs(self.reaction_function.derivative(order)(times)).max(initial=0.0)
+        if self._is_decided_exactly or not values:
+            return 0.0
+        rates = (np.abs(self.derivative(order + k)(times)) for k in range(3))
+        sizes = sum(np.abs(A) @ x for A, x in zip((self.system.stiffness, self.system.damping, self.system.mass), rates))
+        sizes = sizes + np.abs(self.applied.smooth.derivative(order)(times))
+        return min(EPS * float((np.abs(self.system.multiplier_map) @ sizes).max() / values), 1.0)
 
     @cached_property
     @within_float64()
@@ -431,8 +444,7 @@ class Motion(SystemMotion, Response):
             *self._notices_of_system,
             *_violated_rows(self),
             *(notice for event in at_start for notice in _sentences(self, event)),
-            *first_and_count(lambda event: _sentences(self, event), without_kinks(self), self.later_constraint_impulses),
-            *kink_notices(self, partial(_kink_text, self.system)),
+            *later_notices(self, partial(_sentences, self), partial(_kink_text, self.system), self.later_constraint_impulses),
             *self.system.damping_notices(),
             *self.force.notices,
             *_drift(self),
