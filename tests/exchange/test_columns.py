@@ -226,7 +226,7 @@ def test_times_without_seconds_are_not_minutes_with_decimals(tmp_path):
 def test_units_that_a_name_may_mean_are_noted(tmp_path):
     (tmp_path / "a.csv").write_text("t_ms,a (g)\n0,1\n500,2\n")
     record = mb.read_record(tmp_path / "a.csv")
-    assert record.times.tolist() == [0, 500] and record.unit == "kg"
+    assert record.times.tolist() == [0, 500] and record.unit == "m/s^2"
     assert [notice.text for notice in record.notices] == [
         'a.csv: the name "t_ms" may mean ms; s is taken: give time_unit = "ms" if it does',
         'a.csv: "g" behind the name of the column is the gram; give unit = "gn" for the acceleration of gravity',
