@@ -186,8 +186,8 @@ def record_in_si(
         notes += _named_unit(samples.time_name, along.unit, "time_unit")
     if unit is None and not samples.unit and expected:
         notes += _named_unit(samples.name, expected, "unit")
-    if unit is None and samples.unit == "g" and expected is None:
-        notes.append('"g" behind the name of the column is the gram; give unit = "gn" for the acceleration of gravity')
+    if unit is None and samples.unit == "g" and expected is None and not isinstance(factor, str):
+        notes.append('"g" behind the name of the column is the acceleration of gravity; give unit = "gram" for a mass')
     unit = unit or _readable(samples.unit)
     unit = unit if unit is None or isinstance(factor, str) else meant(unit, expected or "m/s^2")  # nothing is recorded in grams
     scale, kind = (1.0, None) if unit is None else _si(unit)
