@@ -116,8 +116,8 @@ def _run(
 
     def work(loaded: Scene) -> int:
         loaded = loaded.certified() if certify else loaded
-        loaded = loaded.with_viewer(viewer) if viewer else loaded
-        loaded = loaded.with_plot_images() if plots else loaded
+        loaded = loaded.with_output(viewer=viewer) if viewer else loaded
+        loaded = loaded.with_output(plot_images=True) if plots else loaded
         loaded = loaded if moment is None else loaded.with_still(moment)
         results = Results(loaded.path, out)
         with results.replacing() as files:

@@ -169,22 +169,17 @@ def finite_or_none(value: float) -> float | None:
     return float(value) if math.isfinite(value) else None
 
 
+#: The prefix u of a unit, which is printed as µ; files and scenes have u, a letter of every keyboard and encoding.
+MICRO = re.compile(r"\bu(?=(m|s|g|N|rad|Pa|V|A|J|W)\b)")
+
+
 def with_unit(value: float, unit: str) -> str:
     """A number with its unit as it is printed: no unit 1, no *, micro as µ.
 
     >>> with_unit(0.5, "m/s"), with_unit(0.5, "1"), with_unit(0.5, "1/s"), with_unit(0.5, "1 s"), with_unit(2, "kg*um")
     ('0.5 m/s', '0.5', '0.5 1/s', '0.5 s', '2 kg µm')
     """
-    return f"{number_text(value)} {'' if unit == '1' else with_micro(unit.removeprefix('1 ').replace('*', ' '))}".rstrip()
-
-
-def with_micro(unit: str) -> str:
-    """A unit with µ for the prefix u, as it is printed; files and scenes have u, a letter of every keyboard and encoding.
-
-    >>> with_micro("um/N"), with_micro("N/us"), with_micro("u")
-    ('µm/N', 'N/µs', 'u')
-    """
-    return re.sub(r"\bu(?=(m|s|g|N|rad|Pa|V|A|J|W)\b)", "µ", unit)
+    return f"{number_text(value)} {'' if unit == '1' else MICRO.sub('µ', unit.removeprefix('1 ').replace('*', ' '))}".rstrip()
 
 
 def table_text(table: TextTable, width: int = WIDTH) -> str:
@@ -202,10 +197,13 @@ def table_text(table: TextTable, width: int = WIDTH) -> str:
     note = [*_wrapped(table.note, width, "  ")] if table.note else []
     if not table.rows:
         return "\n".join([*_wrapped(table.title, width), *note])
-    lines = [table.columns, *table.rows]
-    widths = _widths(list(zip(*lines)), width)
-    text = [line for row in lines for line in _row_text(row, widths)] if widths else [*_entries(table, width)]
-    return "\n".join([*_wrapped(table.title, width), *text, *note])
+    rows, text = [table.columns, *table.rows], []
+    widths = _widths(list(zip(*rows)), width)
+    for row in rows if widths else ():
+        cells = [[cell] if len(cell) <= size else _wrapped(cell, size) for cell, size in zip(row, widths)]
+        for line in zip_longest(*cells, fillvalue=""):
+            text.append("  " + "  ".join(part.ljust(size) for part, size in zip(line, widths)).rstrip())
+    return "\n".join([*_wrapped(table.title, width), *(text or _entries(table, width)), *note])
 
 
 def wrapped(text: str, width: int = WIDTH) -> str:
@@ -252,12 +250,6 @@ def _widths(columns: Sequence[Sequence[str]], width: int) -> list[int]:
         widths[widest] -= step
         excess -= step
     return widths
-
-
-def _row_text(row: Sequence[str], widths: Sequence[int]) -> list[str]:
-    cells = [[cell] if len(cell) <= size else _wrapped(cell, size) for cell, size in zip(row, widths)]
-    lines = zip_longest(*cells, fillvalue="")
-    return ["  " + "  ".join(part.ljust(size) for part, size in zip(line, widths)).rstrip() for line in lines]
 
 
 def _entries(table: TextTable, width: int) -> Iterator[str]:

@@ -99,7 +99,8 @@ def frequency_response(
 ) -> FrequencyResponse:
     """``MechanicalSystem.frequency_response``."""
     harmonic = harmonic_equations(system, inputs, outputs, quantity, modal_damping, loss_factor, relative_to, count)
-    return evaluated(replace(harmonic, notices=system.notices), frequencies_hz)
+    system.last_harmonic = harmonic = replace(harmonic, notices=system.notices).known(system.last_harmonic)
+    return evaluated(harmonic, frequencies_hz)
 
 
 def harmonic_equations(system, inputs, outputs, quantity, modal_damping, loss_factor, relative_to=None, count=None) -> Harmonic:

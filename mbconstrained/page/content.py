@@ -12,7 +12,7 @@ from typing import Literal
 
 import numpy as np
 
-from ..ground.display import TextTable, with_micro, with_unit
+from ..ground.display import MICRO, TextTable, with_unit
 from ..ground.errors import InputError
 from ..ground.notices import Notice
 from .animation import Animation, Deflections, Shapes, ascending_times, drawable
@@ -47,7 +47,7 @@ def unit_text(unit: str) -> str:
     >>> unit_text("N*m^2/rad"), unit_text("um/us")
     ('N·m²/rad', 'µm/µs')
     """
-    return raised(with_micro(unit)).replace("*", "·")
+    return raised(MICRO.sub("µ", unit)).replace("*", "·")
 
 
 def superscript(number: int) -> str:
