@@ -116,8 +116,8 @@ def _run(
 
     def work(loaded: Scene) -> int:
         loaded = loaded.certified() if certify else loaded
-        loaded = loaded.with_viewer(viewer) if viewer else loaded
-        loaded = loaded.with_plot_images() if plots else loaded
+        loaded = loaded.with_output(viewer=viewer) if viewer else loaded
+        loaded = loaded.with_output(plot_images=True) if plots else loaded
         loaded = loaded if moment is None else loaded.with_still(moment)
         results = Results(loaded.path, out)
         with results.replacing() as files:
@@ -193,7 +193,7 @@ def _moment(still: str) -> float | None:
     from ..ground.errors import InputError
     from ..ground.quantities import quantity
     from ..page.photograph import NONE_INSTALLED, browser
-    from ..scene.quantities.settings import value_of
+    from ..scene.file import value_of
 
     try:
         time = quantity(value_of(still), "s")

@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...control.matrix_fraction import scalar_force, scalar_matrix
-from ...control.rational import RationalFunction, rational_function
+from ...control.rational import RationalFunction, rational_function, scalar_force, scalar_matrix
 from ...control.state_equations import Transfer, delays_of_inputs, rational_transfer, roots_of
 from ...control.state_space import StateSpace
 from ...control.transfer_function import transfer_function_response
@@ -227,7 +226,7 @@ class ControlEquations(Equations):
         counts = ((control.system.states, "state"), (control.inputs.names, "input"), (control.outputs.names, "output"))
         return True, ", ".join(counted(len(names), what) for names, what in counts)
 
-    def rows_decision(self) -> Decision:
+    def rows_decision(self, removed: int | None = None, none: str = "") -> Decision:
         return False, f"a {'transfer function' if self.control.transfer_function else 'state space'} has no constraint rows"
 
     def outputs_decision(self, plots: Sequence[str]) -> Decision:
