@@ -421,6 +421,8 @@ class _Eliminated:
     def bound(self, X, sizes, right, left) -> np.ndarray:
         """A bound of |Z|^T ``terms`` by the factors: u (|L^T| |Z|)^T |D| |U| |X| and the same of A, shape (p, m, F)."""
         solver, pattern, memory = self.solver, self.pattern, self.memory
+        if len(solver.outputs) * X.shape[1] >= BY_MATRICES:  # two such products take longer than the terms
+            return _bilinear(sizes[:, left], self.terms(X))
         W = np.abs(self.W, out=memory.array("W size", self.W.shape))
         roots = np.reciprocal(W[: solver.size], out=W[: solver.size])
         np.sqrt(roots, out=roots)
