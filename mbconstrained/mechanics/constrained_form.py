@@ -93,7 +93,7 @@ def constrained_form(
         parts = [projected[:, begin : begin + len(V)] for begin in range(0, projected.shape[1], len(V))]
         coefficients = [np.vstack([part, A * rows[:, None]]) for part, rows in zip(parts, selected)]
     doubt = None
-    if independent.uncertainty.any() or any(extra.any() for extra in uncertainty):
+    if any(extra.any() for extra in (independent.uncertainty, *uncertainty)):
         doubt = [
             _stacked_uncertainty(matrix, extra, independent, rows) for matrix, extra, rows in zip(motion, uncertainty, selected)
         ]

@@ -201,8 +201,7 @@ def constraint_rows(constraints: Sequence[Constraint], units: dict[str, str]) ->
 
 def right_sides(rows: Sequence[ConstraintRow]) -> ImpulsiveSmooth | None:
     """The parts of b that vary in time, one row for each of the k rows; None where b is constant."""
-    column = np.eye(len(rows))
-    varying = [row.signal.mapped(column[:, [place]]) for place, row in enumerate(rows) if row.signal is not None]
+    varying = [row.signal.mapped(np.eye(len(rows), 1, -place)) for place, row in enumerate(rows) if row.signal is not None]
     return sum(varying[1:], varying[0]) if varying else None
 
 

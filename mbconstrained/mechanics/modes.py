@@ -34,7 +34,7 @@ from ..ground.tolerances import (
     rounding_radius,
 )
 from ..linalg import lapack
-from ..linalg.arrays import block_diag, entries, full, kept, product
+from ..linalg.arrays import block_diag, full, kept, product
 from ..linalg.blocks import block_slices
 from ..linalg.division import definite_condition, is_symmetric, solved
 from ..linalg.exponential import BlockGroups
@@ -242,14 +242,11 @@ class Modes(Presented, Sequence):
     @property
     def shapes(self) -> np.ndarray:
         """Shapes of the oscillating modes, shape (n, m); real where all are. A defective eigenvalue repeats its last."""
-        (_, _, shapes), chosen, begin = self._columns, [], 0
-        for mode in self.modes:
-            end = begin + mode.shapes.shape[1]
-            if mode.eigenvalue.imag:
-                chosen += [min(begin + i, end - 1) for i in range(mode.multiplicity)]
-            begin = end
-        columns = shapes[:, chosen]
-        return named_array(columns if columns.imag.any() else columns.real, self.names)
+        _, values, shapes = self._columns
+        counts = [(mode.shapes.shape[1] - 1, mode.multiplicity) for mode in self.oscillating]
+        repeats = [n for before, multiplicity in counts for n in (*(1,) * before, multiplicity - before)]
+        columns = shapes[:, values.imag != 0].repeat(repeats, axis=1)
+        return named_array(columns if columns.dtype.kind == "c" and columns.imag.any() else columns.real, self.names)
 
     @cached_property
     def shares(self) -> tuple[tuple[EnergyShares, ...], ...]:
@@ -257,7 +254,7 @@ class Modes(Presented, Sequence):
         parts, (places, values, shapes) = self.modes[0].energy_parts if self.modes else None, self._columns
         if parts is None or not len(places):
             return ((),) * len(self.modes)
-        each = iter(parts.shares_of(shapes, values))
+        each = iter(parts.shares_of_checked(shapes, values))
         result = [tuple(islice(each, mode.shapes.shape[1])) for mode in self.modes]
         return tuple(
             tuple(replace(one, kinetic=None) for one in own) if mode.kind == "offset" else own
@@ -275,10 +272,10 @@ class Modes(Presented, Sequence):
         size, left, terms = np.abs(u), 0.0, 0.0
         for k, matrix in enumerate(self.polynomial_matrix.coefficients):
             if matrix.any():
-                matrix, power = kept(matrix), s**k
-                left = left + (power if power.imag.any() else power.real) * product(matrix, u)  # of undamped modes all is real
-                terms = terms + np.abs(power) * product(abs(matrix), size)
-        left, terms = np.linalg.norm(left, axis=0), np.linalg.norm(terms, axis=0)
+                power, (forces, sizes) = s**k, product(kept(matrix), u, size)
+                left = left + (power if power.imag.any() else power.real) * forces  # of undamped modes all is real
+                terms = terms + np.abs(power) * sizes
+        left, terms = np.sqrt((left * left.conj()).real.sum(axis=0)), np.sqrt((terms**2).sum(axis=0))
         np.maximum.at(result, places, left / np.where(terms > 0, terms, 1.0))
         return result
 
@@ -402,7 +399,7 @@ Moving = tuple[complex, int, np.ndarray, bool]
 
 def _is_definite(A: PolynomialMatrix) -> bool:
     """Whether M, C and K are symmetric, M and K positive definite and well-conditioned: the equations are their own reduction."""
-    if A.degree != 2 or any(factors is not None for factors in A.factors) or A.uncertainty.any():
+    if A.degree != 2 or any(factors is not None for factors in A.factors) or A.is_uncertain:
         return False
     K, C, M = A.coefficients
     if (A.coefficients != A.coefficients.transpose(0, 2, 1)).any() and not (
@@ -499,8 +496,8 @@ def _forms(matrix: np.ndarray, X: np.ndarray) -> np.ndarray:
     """x^T A x for each column; of a sparse A by differences of coordinates, in which nothing of a slow motion cancels."""
     if np.count_nonzero(matrix) > (2 * FEW_DIFFERENCES + 1) * len(matrix):
         return np.einsum("ij,ij->j", X, matrix @ X)
-    row, column, values = entries(matrix)
-    upper, sums = row < column, np.zeros(len(matrix), dtype=np.longdouble)
+    row, column = matrix.nonzero()
+    upper, values, sums = row < column, matrix[row, column], np.zeros(len(matrix), dtype=np.longdouble)
     if not upper.any():
         return matrix.diagonal() @ X**2
     np.add.at(sums, row, values)

@@ -56,7 +56,7 @@ def _reduction_of(A: PolynomialCoefficients, like: Reduction | None, by_elements
         raise NotReducible(f"A(s) has degree {A.degree}")
     if any(A.factors) and not by_elements:
         raise NotReducible("stiffness is assembled from factors, whose differences float64 would round")
-    if A.uncertainty.any():
+    if A.is_uncertain:
         raise NotReducible("entries of A(s) are uncertain")
     A0, A1, A2 = given = [kept(matrix) for matrix in A.coefficients] + [kept(np.zeros((A.size, A.size)))] * (2 - A.degree)
     rows, columns = A.coefficients[1:].any(axis=2), A.coefficients[1:].any(axis=1)
