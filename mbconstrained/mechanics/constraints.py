@@ -19,7 +19,7 @@ from ..ground.tolerances import CLEAR_KEPT, DOUBTFUL_SUM, EPS, NOISE_SAFETY, NUL
 from ..linalg.arrays import full, others
 from ..linalg.division import solution
 from ..linalg.rank import Noisy, reduce_in_order
-from ..linalg.scaling import column_units
+from ..linalg.scaling import equilibration
 from ..signals.bohl import BohlFunction
 from ..signals.impulsive import ImpulsiveSmooth
 from ..signals.inputs import step
@@ -272,7 +272,7 @@ def independent_rows(rows: Sequence[ConstraintRow], size: int) -> IndependentRow
     rows = sorted(rows, key=lambda row: row.order)
     matrix = np.array([row.coefficients for row in rows])
     uncertainty = np.array([row.uncertainty + np.zeros(size) for row in rows])
-    scale = column_units(np.abs(matrix))
+    scale = equilibration(np.abs(matrix))[1]
     noise = np.maximum(EPS * np.abs(matrix), uncertainty) * scale
     kept, pivots, reduced = _reduced(rows, Noisy(matrix * scale, noise))
     own = reduced[kept]

@@ -269,7 +269,8 @@ class Modes(Presented, Sequence):
         result, (places, s, u) = np.zeros(len(self.modes)), self._columns
         if self.polynomial_matrix is None or not len(places):
             return result
-        size, left, terms = np.abs(u), 0.0, 0.0
+        left, size = np.zeros(u.shape), np.abs(u)
+        terms = np.zeros(u.shape)
         for k, matrix in enumerate(self.polynomial_matrix.coefficients):
             if matrix.any():
                 power, (forces, sizes) = s**k, product(kept(matrix), u, size)

@@ -31,7 +31,7 @@ from ..linalg.arrays import (
 )
 from ..linalg.division import condition, definite_condition, is_symmetric, solution, without_noise
 from ..linalg.rank import Noisy, reduce_in_order
-from ..linalg.scaling import column_units, equilibration
+from ..linalg.scaling import equilibration
 from ..linalg.symmetric import may_be_wide, modes_of_elements
 from .coefficients import PolynomialCoefficients
 from .reduced_equations import FEW_STATES, Conserved, Freed, NotReducible, Reduction, conserved, freed, lowest
@@ -187,7 +187,7 @@ def matching_rows(M: Matrix) -> np.ndarray | None:
 
 def pivots_of(rows: np.ndarray, static: np.ndarray, units: np.ndarray | None = None) -> np.ndarray | None:
     """A pivot column for each row by elimination, static coordinates before others; None where rows depend on each other."""
-    units = column_units(np.abs(rows)) if units is None else units
+    units = equilibration(np.abs(rows))[1] if units is None else units
     if len(rows) == 1:  # the largest entry of one row serves
         size = np.abs(rows[0]) * units
         return (np.where(static, size, 0.0) if size[static].any() else size).argmax(keepdims=True) if size.any() else None
