@@ -4,19 +4,21 @@ from __future__ import annotations
 
 import csv
 import datetime
+import io
 import re
 from array import array
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
+from numbers import Integral
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
 from ..ground.checks import counted, nearest, optional_package
-from ..ground.errors import InputError
+from ..ground.errors import InputError, shown
 from ..ground.files import LARGEST_FILE, damaged, read_isolated
 from ..ground.quantities import unit_name
 
@@ -45,9 +47,11 @@ class NumberTable:
     def column(self, which: int | str, key: str = "column") -> int:
         """The place of a column."""
         count = self.values.shape[1]
-        if isinstance(which, int):
+        if isinstance(which, bool) or not isinstance(which, (str, Integral)):
+            raise InputError(f"{self.file}: {key}: found {shown(which)}; expected the number or the name of a column")
+        if not isinstance(which, str):
             if 1 <= which <= count:
-                return which - 1
+                return int(which) - 1
             raise InputError(f"{self.file}: {key}: found {which}; the file has {counted(count, 'column')}")
         for head in self.heads:
             for written in (str.strip, _folded, lambda name: _folded(without_unit(name))):
@@ -72,11 +76,11 @@ class NumberTable:
         return without_unit(names[place]) if names else ""
 
     def unit(self, place: int) -> str:
-        """The text in parentheses or brackets at the end of the name of a column, e.g. "kN", or in a row of units below the names."""
+        """The unit at the end of the name of a column, e.g. "kN" of "F (kN)" and "F / kN", or in a row of units below the names."""
         if place in self.stamps:
             return "s"
-        matches = (_UNIT.search(head[place]) for head in self.heads)
-        own = next((match[1].strip() for match in matches if match), "")
+        names = self.heads[1:] if self._units else self.heads
+        own = next((unit for head in names if (unit := _parts(head[place])[1])), "")
         return own or (self._units[place] if self._units else "")
 
     @cached_property
@@ -106,10 +110,18 @@ class NumberTable:
 def without_unit(name: str) -> str:
     """The name of a column without the unit behind it.
 
-    >>> without_unit("a_x [m/s^2]"), without_unit("force")
-    ('a_x', 'force')
+    >>> without_unit("a_x [m/s^2]"), without_unit("t / ms"), without_unit("force")
+    ('a_x', 't', 'force')
     """
-    return _UNIT.sub("", name).strip() or name.strip()
+    return _parts(name)[0] or name.strip()
+
+
+def _parts(name: str) -> tuple[str, str]:
+    """The name of a column and its unit: a text in parentheses or brackets, or a known unit by which it is divided."""
+    if match := _UNIT.search(name):
+        return name[: match.start()].strip().removesuffix("/").strip(), match[1].strip()
+    quantity, _, unit = (part.strip() for part in name.partition("/"))
+    return (quantity, unit) if quantity and is_unit(unit) else (name.strip(), "")
 
 
 def is_unit(text: str) -> bool:
@@ -133,20 +145,21 @@ def number_table(path: Path, header: int = 0, sheet: str | None = None, decimal:
     """
     if decimal not in (None, ".", ","):
         raise InputError(f'{path.name}: decimal: found {decimal!r}; expected "." or ","')
-    lines = (_sheet_text(path, sheet) if path.suffix.lower() in SHEETS else text_of(path)).splitlines()
+    lines = _lines(_sheet_text(path, sheet) if path.suffix.lower() in SHEETS else text_of(path))
     if header > len(lines):
         raise InputError(f"{path.name}: header: found {header}; the file has {counted(len(lines), 'line')}")
-    above = [(number, line) for number, line in enumerate(lines[:header], 1) if line.strip()]
     start, separator, texts = _first(lines, header)
     if start is None:
         expected = f"columns of numbers between {', '.join(SEPARATORS.values())}"
         first = next((f" (the first one is {line[:40]!a})" for line in lines if line.strip()), "")
-        raise InputError(f"{path.name}: found no line of numbers{first}; expected {expected}")
-    above += [(number, line) for number, line in enumerate(lines[header:start], header + 1) if line.strip()]
+        clock = "; write times such as 12:30 with their seconds" if any(map(_SHORT_CLOCK.search, lines)) else ""
+        raise InputError(f"{path.name}: found no line of numbers{first}; expected {expected}{clock}")
+    above = _above(lines, header, start)
     columns = len(_entries(lines[start], separator))
     for number, line in above:
-        entries = _entries(line, separator)
+        entries = _entries(line, separator, columns)
         begins = bool(entries[0].strip()) and _number(entries[0], _Marks()) is not None
+        begins |= _stamp(entries[0]) is not None and all(_value(entry, _Marks()) is not None for entry in entries)
         if number > header and begins and len(entries) == columns and not _is_comment(line):
             raise _wrong_line(path, number, line, separator, f", and header = {number} leaves out the first {number}")
     heads = tuple(head for _, line in reversed(above) if (head := _head(line, separator, columns)))
@@ -159,6 +172,28 @@ def number_table(path: Path, header: int = 0, sheet: str | None = None, decimal:
         return NumberTable(path.name, *quick, heads)
     reader = _RowReader(path, separator, columns, texts, decimal)
     return reader.table(lambda: ((number, line) for number, line in enumerate(lines[start:], start + 1) if line.strip()), heads)
+
+
+def _lines(text: str) -> list[str]:
+    """The lines, which other signs than line feeds and carriage returns do not end."""
+    return [line.strip("\n\f\x85") for line in io.StringIO(text, newline=None)]
+
+
+#: A field in quotes that goes on in the next line.
+_OPEN_FIELD = re.compile(r'(?:^|[,;\t])\s*"[^"]*$')
+
+
+def _above(lines: list[str], header: int, start: int) -> list[tuple[int, str]]:
+    """The filled lines above the numbers, by their number; names in quotes may go over several of them."""
+    result: list[tuple[int, str]] = []
+    is_open = False
+    for number, line in enumerate(lines[:start], 1):
+        if is_open:
+            result[-1] = result[-1][0], f"{result[-1][1]} {line}"
+        elif line.strip():
+            result.append((number, line))
+        is_open = number != header and bool(result) and _OPEN_FIELD.search(result[-1][1]) is not None
+    return result
 
 
 def _first(lines: list[str], header: int) -> tuple[int | None, str | None, frozenset[int]]:
@@ -187,6 +222,7 @@ def _texts_of(line: str, separator: str | None) -> frozenset[int]:
     values = [_value(entry, _Marks()) for entry in entries]
     texts = frozenset(place for place, value in enumerate(values) if value is None)
     is_empty = all(value is None or value != value for value in values) and "nan" not in line.lower()
+    is_empty |= len(values) == 1 and isinstance(values[0], _Stamp)  # times without values, of which an entry with a comma is made
     return frozenset(range(len(entries))) if is_empty else texts
 
 
@@ -286,6 +322,7 @@ _DATE = r"(?P<a>\d{1,4})(?P<sign>[-./])(?P<b>\d{1,2})(?P=sign)(?P<c>\d{1,4})"
 _CLOCK = (
     r"(?:(?P<h>\d{1,4}):)?(?P<m>\d{1,2}):(?P<s>\d{2})(?:[.,](?P<f>\d{1,9}))?\s*(?P<half>[AaPp][Mm])?\s*(?P<zone>Z|[+-]\d\d:?\d\d)?"
 )
+_SHORT_CLOCK = re.compile(r"(?:^|[;,\s])\d{1,2}:\d\d(?:$|[;,\s])")  # hours or minutes first
 _STAMP = re.compile(rf"{_DATE}(?:[T_ ]\s*{_CLOCK})?|{_CLOCK.replace('(?P<', '(?P<own_')}")
 
 
@@ -335,6 +372,12 @@ class _RowReader:
         if settled := self.marks.settled:
             self.marks, self.stamps = settled, {}
             numbers, lines = self.read(rows())
+        open_mark = self.marks.either == {","} and not self.marks.decimals
+        if open_mark and self.separator == ",":
+            raise InputError(
+                f"{self.path.name}: all commas in its numbers may begin decimals or stand between thousands; give decimal, "
+                '"," or "."'
+            )
         values = np.array(numbers).reshape(-1, self.columns)
         notes = (f"{self.example[1]!a} in line {self.example[0]} is read as {self.example[2]:.12g}",) if self.example[0] else ()
         for place, seconds in self.seconds(len(values)).items():
@@ -360,7 +403,7 @@ class _RowReader:
 
     def row(self, number: int, line: str) -> list[float]:
         """The numbers of a line, nan for an empty entry, a text or a date."""
-        entries, row = _entries(line, self.separator), []
+        entries, row = _entries(line, self.separator, self.columns), []
         for place, entry in enumerate(entries):
             value = _number(entry, self.marks)
             if value is None and place in self.texts:
@@ -414,14 +457,14 @@ class _RowReader:
 
 
 def text_of(path: Path) -> str:
-    """The text of a file: UTF-8, UTF-16, or Latin-1, which older instruments write; no NUL characters."""
+    """The text of a file: UTF-8, UTF-16, or the signs of Windows and Latin-1, which older instruments write; no NUL characters."""
     content = path.read_bytes()
     if content[:2] in (b"\xff\xfe", b"\xfe\xff"):
         encodings = ["utf-16"]
     elif b"\0" in content[:2]:  # without its mark
         encodings = ["utf-16-le" if content[1:2] == b"\0" else "utf-16-be"]
     else:
-        encodings = ["utf-8-sig", "latin-1"]
+        encodings = ["utf-8-sig", "cp1252", "latin-1"]
     for encoding in encodings:
         try:
             text = content.decode(encoding)
@@ -432,13 +475,13 @@ def text_of(path: Path) -> str:
     raise InputError(f"{path.name}: not a text file; expected lines of numbers")
 
 
-def _entries(line: str, separator: str | None) -> list[str]:
-    """The entries of a line; one empty entry at its end is left out, as a sign that ends every line leaves it."""
+def _entries(line: str, separator: str | None, columns: int = 0) -> list[str]:
+    """The entries of a line; an empty one behind all columns is left out, as a sign that ends every line leaves it."""
     if separator is None:
         return line.split()
     line = line.strip(" \r\n")
     entries = next(csv.reader([line], delimiter=separator, skipinitialspace=True), [""]) if '"' in line else line.split(separator)
-    return entries[:-1] if len(entries) > 1 and not entries[-1].strip() else entries
+    return entries[:-1] if len(entries) > 1 and len(entries) != columns and not entries[-1].strip() else entries
 
 
 def _head(line: str, separator: str | None, columns: int) -> tuple[str, ...]:

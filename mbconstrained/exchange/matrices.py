@@ -35,7 +35,7 @@ def read_matrix(path: str | Path, array: str | None = None) -> np.ndarray | scip
         array: the name of the matrix in an .npz, .mat or .op4 file, or of the sheet of .xlsx; not needed when it holds only one.
 
     Returns:
-        A float64 array of two dimensions; a ``scipy.sparse.csc_array`` where the file holds a sparse matrix.
+        A float64 array of two dimensions, a column of an array with one; a ``scipy.sparse.csc_array`` where the file holds a sparse matrix.
 
     Raises:
         InputError: no such file, unknown ending, too large, cannot be read, unknown name, not a matrix of real numbers.
@@ -64,7 +64,9 @@ def read_matrix(path: str | Path, array: str | None = None) -> np.ndarray | scip
         matrix = reader(path, array)
     except OSError as problem:
         raise InputError(f"{path.name}: the file cannot be read ({problem.strerror or problem})") from None
-    return _sparse(path, matrix) if scipy.sparse.issparse(matrix) else real_array(matrix, path.name, shape=(None, None))
+    if scipy.sparse.issparse(matrix):
+        return _sparse(path, matrix)
+    return real_array(matrix if np.ndim(matrix) != 1 else np.reshape(matrix, (-1, 1)), path.name, shape=(None, None))
 
 
 def full_matrix(matrix, name: str) -> np.ndarray:

@@ -36,6 +36,7 @@ class Samples:
     lines: np.ndarray | None = field(default=None, repr=False)  # the line of each sample in the file; None where it has no lines
     notes: tuple[str, ...] = ()  # how the file was read where it has another reading, and steps that differ from all others
     of_clock: bool = False  # whether the times are seconds between dates or times of day
+    time_name: str = ""  # name of the column of the times
 
     def place(self, row: int) -> str:
         """Location of a sample in the file, for messages."""
@@ -65,6 +66,8 @@ def read_samples(
         raise InputError(f"{path.name}: found step and time; give the step between samples, or the column of the times")
     try:
         record = _samples(path, column, time, step, header, array, decimal)
+        if not record.values.size:
+            raise InputError(f"{path.name}: found no samples in it")
         return _ascending(record) if over_time and step is None else record
     except OSError as problem:
         raise InputError(f"{path.name}: the file cannot be read ({problem.strerror or problem})") from None
@@ -130,7 +133,7 @@ def _from_table(table: NumberTable, column, time, step, lines: bool = True) -> S
     times, values = table.checked(first, place).T
     rows = table.lines if lines else None
     name, units = table.title(place), (table.unit(first), table.unit(place))
-    return Samples(table.file, times, values, name, *units, False, rows, table.notes, first in table.stamps)
+    return Samples(table.file, times, values, name, *units, False, rows, table.notes, first in table.stamps, table.title(first))
 
 
 def _ascending(record: Samples) -> Samples:
@@ -183,7 +186,7 @@ def _from_wav(path: Path, column: int | str) -> Samples:
     if not data.size:
         raise InputError(f"{path.name}: found no samples in it")
     channels = data.reshape(len(data), -1)
-    if isinstance(column, str) or not 1 <= column <= channels.shape[1]:
+    if not isinstance(column, int) or not 1 <= column <= channels.shape[1]:
         raise InputError(
             f"{path.name}: column: found {column!r}; the file has {counted(channels.shape[1], 'channel')}, numbered from 1"
         )

@@ -234,6 +234,16 @@ def exact_product(row: np.ndarray, matrix: np.ndarray) -> np.ndarray:
     return result
 
 
+def vanish_exactly(left: np.ndarray, right: np.ndarray, product: np.ndarray) -> bool:
+    """Whether entries of left @ right that are zero in a rounded product are zero for the factors taken as exact numbers.
+
+    >>> vanish_exactly(np.array([[0.1, 0.2, -0.3]]), np.ones((3, 1)), np.zeros((1, 1)))
+    False
+    """
+    doubtful = (product == 0) & (np.abs(left) @ np.abs(right) > 0)
+    return not any(exact_product(left[row], right[:, doubtful[row]]).any() for row in np.flatnonzero(doubtful.any(axis=1)))
+
+
 def exact_row_sums(matrix: Matrix) -> np.ndarray:
     """The sum of the entries of each row, rounded once.
 

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..ground.tolerances import EPS
+from ..linalg.division import vanish_exactly
 from ..linalg.double_double import DOUBLED_EPS, DoubleDouble
 from ..polynomial.coefficients import Factors
 from ..polynomial.polynomial_matrix import PolynomialMatrix
@@ -44,7 +45,7 @@ def exact_motion(system: EquationsOfMotion, initial: np.ndarray, applied: Impuls
 
         terms = tuple(replace(term, coefficients=np.pad(term.coefficients, ((0, 0), (0, k), (0, k)))) for term in system.delayed)
         matrix = regular(RationalMatrix(matrices), equations, coordinates)
-        return ExactDelayedResponse(matrix, terms, start, force, range(n))
+        return ExactDelayedResponse(matrix, start, sources_of(force), range(n), terms)
     return ExactResponse(regular(RationalMatrix(matrices), equations, coordinates), start, sources_of(force), range(n))
 
 
@@ -81,6 +82,15 @@ class FormRounding(Rounding):
         extended = V.astype(Extended)
         forces = np.abs(extended.T @ A.T) + UNIT * (len(V) + 4) * (np.abs(V.T) @ np.abs(A.T))
         return forces.astype(float) @ np.abs(self.system.multiplier_map)
+
+    @cached_property
+    def has_exact_zeros(self) -> bool:
+        """Whether A V = 0 and the zeros of V^T [C, M] hold for the data taken as exact numbers."""
+        form = self.system.undelayed_form()
+        V, A, projected = form.null_space, form.rows, form.polynomial_matrix.coefficients
+        if not vanish_exactly(A, V, np.zeros((len(A), V.shape[1]))):
+            return False
+        return all(_vanishes_exactly(V, matrix, whole[: V.shape[1]]) for matrix, whole in zip(self.system.given[1:], projected[1:]))
 
     @cached_property
     def coefficients(self) -> tuple[np.ndarray, ...]:
@@ -151,6 +161,17 @@ def _projected(matrix: np.ndarray | ElementMatrix, V: DoubleDouble, rows: np.nda
     through[:own, : len(parts)], through[own:, len(parts) :] = parts.T, np.eye(len(rows))
     values = np.concatenate([*[elements.values] * count, np.ones(len(rows))])
     return Factors(through, values, np.concatenate([*[elements.right] * count, rows]))
+
+
+def _vanishes_exactly(V: np.ndarray, matrix: np.ndarray | ElementMatrix, projected: np.ndarray) -> bool:
+    """Whether zeros of V^T matrix hold exactly; False for elements whose sums are rounded."""
+    if not isinstance(matrix, ElementMatrix):
+        return vanish_exactly(V.T, matrix, projected)
+    left, right = V.T @ matrix.directions.T, matrix.directions
+    if not ((np.abs(left) @ np.abs(right) > 0) & (projected == 0)).any():
+        return True
+    signs = all((np.abs(part) <= 1).all() and (part == np.rint(part)).all() for part in (V, left, right))
+    return signs and vanish_exactly(left * matrix.constants, right, projected)
 
 
 def _extended(matrix: np.ndarray | ElementMatrix) -> np.ndarray:

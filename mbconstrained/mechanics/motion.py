@@ -24,7 +24,7 @@ from ..response.events import Event, without_zeros
 from ..response.methods.proved import ProvedFunction, proved_event
 from ..response.problem import Problem
 from ..response.response import Response
-from ..response.response_notices import first_and_count, kink_notices, remaining_notices, sides, without_kinks
+from ..response.response_notices import later_notices, remaining_notices, sides
 from ..signals.bohl import BohlFunction, BohlSum
 from ..signals.impulsive import ExactTerm, ImpulsiveLoad, ImpulsiveSmooth
 from ..signals.inputs import zero
@@ -96,6 +96,8 @@ def reaction_impulses(system: EquationsOfMotion, response: Response, applied: Im
     loads = {0.0: applied.impulses, **{load.time: load.impulses for load in applied.later}}
     times = sorted({*events, *loads})
     each = [events.get(time, none) for time in times]
+    if not any(event.jump.any() or event.impulses for event in each) and not any(loads.values()):
+        return ()
     # a jump at t = 0 is as inaccurate as the values that it is the difference of, a later one as the largest of its event
     sizes = np.array([np.abs(event.jump).max(axis=1, keepdims=True) + 0 * event.jump for event in each])
     sizes[0] = np.abs(response.initial) + np.abs(response.start)
@@ -431,8 +433,7 @@ class Motion(SystemMotion, Response):
             *self._notices_of_system,
             *_violated_rows(self),
             *(notice for event in at_start for notice in _sentences(self, event)),
-            *first_and_count(lambda event: _sentences(self, event), without_kinks(self), self.later_constraint_impulses),
-            *kink_notices(self, partial(_kink_text, self.system)),
+            *later_notices(self, partial(_sentences, self), partial(_kink_text, self.system), self.later_constraint_impulses),
             *self.system.damping_notices(),
             *self.force.notices,
             *_drift(self),

@@ -60,6 +60,7 @@ from ..linalg.division import (
     is_symmetric,
     solution,
     solved,
+    vanish_exactly,
     without_noise,
 )
 from ..linalg.scaling import balancing_units, equilibration
@@ -419,6 +420,17 @@ class Reduction:
     def constraining(self) -> np.ndarray:
         """Which algebraic rows constrain coordinates with mass or damping, whose values at 0- have to satisfy them."""
         return np.asarray(abs(self.Y[self.moving]).sum(axis=0)) > 0
+
+    @cached_property
+    def has_exact_zeros(self) -> bool:
+        """Whether entries of M and C are zero for the data taken as exact numbers, too, so that there are as many states."""
+        if not len(self.algebraic):
+            return True
+        V, rest = full(self.V), np.concatenate([self.second, self.first])
+        A0, A1, A2 = map(full, self.given)
+        eliminated = A0[self.algebraic], np.zeros((len(self.algebraic), V.shape[1]))
+        products = eliminated, (A2[self.second], full(self.M)), (A1[rest], full(self.C))
+        return all(vanish_exactly(left, V[:, : product.shape[1]], product) for left, product in products)
 
     @property
     def state_count(self) -> int:

@@ -28,7 +28,7 @@ from ..linalg.division import accurate_product, solution
 from ..linalg.exponential import block_states
 from ..signals.bohl import BohlFunction
 from .flow import Flow
-from .methods.proved import ProvedFunction
+from .methods.proved import ProvedFunction, are_right
 from .methods.reduced_solution import FlowFunction
 from .response_notices import SolvedProblem
 
@@ -300,7 +300,7 @@ SAFETY, PRECISE_SAFETY = 2.5, 1.0
 #: The response to the defect is right to a few percent where the modes are well separated.
 DEFECT_SAFETY = 2.0
 
-#: Values at so many times are compared with the exact engine.
+#: Bounds at so many times make the estimate.
 MOST_PROVED = 64
 
 #: No solution is claimed to be better than so many rounding errors: its evaluation makes as many.
@@ -321,11 +321,9 @@ def _estimate(x: SolvedProblem, times: np.ndarray, view: Callable[[Any], BohlFun
     values = np.asarray(function(times))
     largest, times = np.abs(values).max(initial=0.0), np.atleast_1d(times)
     values = values.reshape(function.size, len(times))
-    if largest and isinstance(function, ProvedFunction) and function.is_provable:
-        rounded = max(
-            2 * LEAST, min(_phase(function, times, largest), PROVED_ACCURACY)
-        )  # what rounded data move, within what is proved
-        return max(_proved_error(function, times, values), rounded)
+    if largest and isinstance(function, ProvedFunction) and (error := _proved_error(function, times, values)) < np.inf:
+        rounded = min(_phase(function, times, largest), PROVED_ACCURACY)  # what rounded data move, within what is proved
+        return max(error, 2 * LEAST, rounded)
     if isinstance(function, FlowFunction) and (error := _error_by_defect(function, times, values)) is not None:
         early = times < function.flow.taylor_start(modal=True).end
         estimate = error / largest if largest else np.inf * (error > 0)
@@ -387,14 +385,16 @@ def _estimate_by_trials(x: SolvedProblem, times: np.ndarray, values: np.ndarray,
 
 
 def _proved_error(function: ProvedFunction, times: np.ndarray, values: np.ndarray) -> float:
-    """A bound of the largest |error| / |y|; of very many times the smallest values and even samples are checked."""
+    """A bound of the largest |error| / |y|, of very many times at the smallest values and even samples; infinite where none is known."""
     size = np.abs(values).max(axis=0)
     if len(times) > MOST_PROVED:
         even = np.linspace(0, len(times) - 1, MOST_PROVED // 2).astype(int)
         chosen = np.union1d(np.argsort(size)[: MOST_PROVED // 2], even)
         times, values, size = times[chosen], values[:, chosen], size[chosen]
-    proved, bounds = function.proved(times)
-    error = (np.abs(values - proved) + bounds).max(axis=0)
+    evaluated, bounds = function.evaluated(times, accuracy=0.0)
+    if not are_right(evaluated, bounds).all():
+        return np.inf
+    error = np.abs(values - evaluated).max(axis=0) + bounds
     return float(np.divide(error, size, out=np.where(error > 0, 1.0, 0.0), where=size > 0).max())
 
 

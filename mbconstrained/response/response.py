@@ -184,7 +184,8 @@ class Response(Exported, Presented, Pictured):
     @cached_property
     def _doubts(self) -> tuple[Notice, ...]:
         """Equations and values at 0+ that the float64 solution satisfies to less than half of the digits."""
-        return tuple(unsatisfied(self))
+        bounded = isinstance(self.function, ProvedFunction) and self.function.is_bounded
+        return () if bounded else tuple(unsatisfied(self))
 
     @cached_property
     def _is_decided_exactly(self) -> bool:
@@ -360,11 +361,12 @@ class Response(Exported, Presented, Pictured):
         """The exact solution for the same data taken as exact numbers: impulses, values at 0+, intervals."""
         if delayed := self.problem.delayed:
             from ..exact.enclosure.delayed_response import ExactDelayedResponse
+            from ..exact.enclosure.exact_sources import sources_of
             from ..exact.rational import regular_matrix
             from .methods.method_of_steps import past_force
 
             force = self.force + past_force(delayed, self.problem.past, self.polynomial_matrix.size)
-            return ExactDelayedResponse(regular_matrix(self.polynomial_matrix), delayed, self.initial, force)
+            return ExactDelayedResponse(regular_matrix(self.polynomial_matrix), self.initial, sources_of(force), terms=delayed)
         from ..exact.enclosure.exact_response import exact_response
 
         return exact_response(self.polynomial_matrix, self.initial, self.force)

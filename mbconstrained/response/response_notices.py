@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from functools import partial
 from itertools import islice
 from typing import Any, TypeAlias
 
@@ -38,7 +39,12 @@ SolvedProblem: TypeAlias = Any
 @within_float64()
 def response_notices(x: SolvedProblem) -> tuple[Notice, ...]:
     """Jumps, impulses, the notices of the force, growth, doubtful rank decisions and unsatisfied equations of a response."""
-    return (*_jumps(x), *_impulses(x), *_later(x), *x.force.notices, *x.problem.notices, *remaining_notices(x))
+
+    def jump_text(i: int, order: int, size: float) -> str:
+        return f"{derivative_word(order)} of {x.polynomial_matrix.coordinates[i]} by {size:.6g}"
+
+    later = later_notices(x, partial(_event_sentences, x), jump_text)
+    return (*_jumps(x), *_impulses(x), *later, *x.force.notices, *x.problem.notices, *remaining_notices(x))
 
 
 def remaining_notices(x: SolvedProblem) -> tuple[Notice, ...]:
@@ -136,11 +142,20 @@ def _impulses(x: SolvedProblem, impulses=None, when: str = "t = 0"):
             yield Notice(NoticeKind.IMPULSE, f"{names[i]}: {delta} at {when} of size {row[i]:.6g}")
 
 
-def _later(x: SolvedProblem):
-    yield from first_and_count(lambda event: _event_sentences(x, event), without_kinks(x))
-    yield from kink_notices(
-        x, lambda i, order, size: f"{derivative_word(order)} of {x.polynomial_matrix.coordinates[i]} by {size:.6g}"
-    )
+def later_notices(
+    x: SolvedProblem, sentences: Callable, jump_text: Callable[[int, int, float], str], loads: Sequence[ImpulsiveLoad] = ()
+) -> Iterator[Notice]:
+    """The notices of the first events after t = 0, one that counts the others, and one on all kinks of the excitation.
+
+    Args:
+        x: the response.
+        sentences: the notices of an event or of a load.
+        jump_text: the text of a jump of a coordinate, by its index, order of derivative and size.
+        loads: impulses of other quantities.
+    """
+    if x._later_events or loads:
+        yield from _first_and_count(sentences, sorted([*without_kinks(x), *loads], key=lambda event: event.time))
+        yield from _kink_notice(x._kinks, jump_text)
 
 
 def without_kinks(x: SolvedProblem) -> list[Event]:
@@ -149,17 +164,16 @@ def without_kinks(x: SolvedProblem) -> list[Event]:
     return [event for event in x._later_events if event.time not in kinks]
 
 
-def kink_notices(x: SolvedProblem, jump_text: Callable[[int, int, float], str]) -> Iterator[Notice]:
+def _kink_notice(kinks: Sequence[Event], jump_text: Callable[[int, int, float], str]) -> Iterator[Notice]:
     """One notice on all kinks of the excitation after t = 0, with the largest jump of each derivative."""
-    if x._kinks:
-        largest = np.abs([event.jump for event in x._kinks]).max(axis=0)
+    if kinks:
+        largest = np.abs([event.jump for event in kinks]).max(axis=0)
         order = next(k for k, row in enumerate(largest) if row.any())
         ranked = sorted(np.flatnonzero(largest[order]), key=lambda i: -largest[order, i])
         texts = [jump_text(i, order, largest[order, i]) for i in ranked[:MOST_KINK_NAMES]]
         more = f" and {len(ranked) - len(texts)} others by less" if len(ranked) > len(texts) else ""
-        times = f"at {len(x._kinks)} times from t = {x._kinks[0].time:.6g} s to t = {x._kinks[-1].time:.6g} s"
-        when = times if len(x._kinks) > 1 else f"at t = {x._kinks[0].time:.6g} s"
-        most = "at most " if len(x._kinks) > 1 else ""
+        times = f"at {len(kinks)} times from t = {kinks[0].time:.6g} s to t = {kinks[-1].time:.6g} s"
+        when, most = (times, "at most ") if len(kinks) > 1 else (f"at t = {kinks[0].time:.6g} s", "")
         yield Notice(
             NoticeKind.KINK, f"{when} the slope of the excitation jumps, its value does not: {most}the {', the '.join(texts)}{more}"
         )
@@ -186,9 +200,7 @@ def sides(x: SolvedProblem, event: Event, order: int) -> tuple[np.ndarray, np.nd
     return np.where(np.abs(before) <= noise, 0.0, before), np.where(np.abs(after) <= noise, 0.0, after)
 
 
-def first_and_count(sentences: Callable, *sources: Sequence[Event | ImpulsiveLoad]) -> Iterator[Notice]:
-    """The notices of the first events after t = 0, and one that counts the others."""
-    events = sorted((event for events in sources for event in events), key=lambda event: event.time)
+def _first_and_count(sentences: Callable, events: Sequence[Event | ImpulsiveLoad]) -> Iterator[Notice]:
     first = list(islice((notice for event in events for notice in sentences(event)), MOST_LATER))
     yield from first
     jumps, impulses = counts(events)

@@ -164,3 +164,88 @@ def test_zip_bombs_and_other_files_are_refused(tmp_path, monkeypatch):
     (tmp_path / "a.xls").write_bytes(b"\xd0\xcf\x11\xe0")
     with pytest.raises(InputError, match=r"a\.xls: \.xls files are not read; save it as \.xlsx or \.csv"):
         mb.read_record(tmp_path / "a.xls")
+
+
+OPEN_COMMAS = 't,x\n0,"1,500"\n1,"2,500"\n'  # as Excel writes 1500, or 1.5 with a decimal comma
+
+HEADS = [  # names with their units as instruments, Excel and ISO 80000-1 write them
+    ('"t\n(ms)","x\r\n(mm)"\n', "utf-8"),
+    ('Pipe 5" test\nt (ms),x (mm)\n', "utf-8"),
+    ("t (ms),Weg… (mm)\n", "cp1252"),
+    ("t / ms,x/mm\n", "utf-8"),
+    ("t / (ms),x / (mm)\n", "utf-8"),
+    ("t,x\n(ms),(mm)\n", "utf-8"),
+]
+
+
+@pytest.mark.parametrize(("head", "encoding"), HEADS)
+def test_units_of_names_in_several_writings(tmp_path, head, encoding):
+    (tmp_path / "a.csv").write_bytes((head + "0,1\n500,2\n").encode(encoding))
+    record = mb.read_record(tmp_path / "a.csv")
+    assert (record.times.tolist(), record.values.tolist(), record.unit) == ([0.0, 0.5], [0.001, 0.002], "m")
+    assert not record.notices
+
+
+def test_a_name_divided_by_another_word_has_no_unit(tmp_path):
+    (tmp_path / "a.csv").write_text("t,left/right\n0,1\n1,2\n")
+    record = mb.read_record(tmp_path / "a.csv", column="left/right")
+    assert (record.values.tolist(), record.unit, record.notices) == ([1.0, 2.0], "", ())
+
+
+def test_commas_that_may_be_both_in_a_file_with_commas(tmp_path):
+    (tmp_path / "a.csv").write_text(OPEN_COMMAS)
+    with pytest.raises(InputError, match=r"a\.csv: all commas in its numbers may begin decimals or stand between thousands"):
+        mb.read_record(tmp_path / "a.csv")
+    assert mb.read_record(tmp_path / "a.csv", decimal=".").values.tolist() == [1500, 2500]
+    assert mb.read_record(tmp_path / "a.csv", decimal=",").values.tolist() == [1.5, 2.5]
+    (tmp_path / "a.csv").write_text(OPEN_COMMAS.replace("\n0,", '\n"0,5",'))  # the times tell
+    assert mb.read_record(tmp_path / "a.csv").values.tolist() == [1.5, 2.5]
+
+
+@pytest.mark.parametrize("sign", [",", ";", "\t"])
+def test_an_empty_last_entry_matters_in_its_own_column_alone(tmp_path, sign):
+    (tmp_path / "a.csv").write_text("t,x,y\n0,1,5\n1,2,\n2,3,6\n".replace(",", sign))
+    assert mb.read_record(tmp_path / "a.csv", column="x").values.tolist() == [1, 2, 3]
+    with pytest.raises(InputError, match=r"a\.csv, line 3: found an entry that is nan"):
+        mb.read_record(tmp_path / "a.csv", column="y")
+
+
+def test_a_first_row_of_a_time_and_nothing_is_no_header(tmp_path):
+    (tmp_path / "a.csv").write_text("time,x\n12:00:00,\n12:00:01,2\n")
+    with pytest.raises(InputError, match=r"a\.csv, line 2: found '12:00:00,'"):
+        mb.read_record(tmp_path / "a.csv")
+
+
+def test_times_without_seconds_are_not_minutes_with_decimals(tmp_path):
+    (tmp_path / "a.csv").write_text("10:00,1\n10:01,2\n")  # with decimal commas 600.1 s and 601.2 s
+    for options in ({}, {"step": 0.1}):
+        with pytest.raises(InputError, match="found no line of numbers .* write times such as 12:30 with their seconds"):
+            mb.read_record(tmp_path / "a.csv", **options)
+
+
+def test_units_that_a_name_may_mean_are_noted(tmp_path):
+    (tmp_path / "a.csv").write_text("t_ms,a (g)\n0,1\n500,2\n")
+    record = mb.read_record(tmp_path / "a.csv")
+    assert record.times.tolist() == [0, 500] and record.unit == "kg"
+    assert [notice.text for notice in record.notices] == [
+        'a.csv: the name "t_ms" may mean ms; s is taken: give time_unit = "ms" if it does',
+        'a.csv: "g" behind the name of the column is the gram; give unit = "gn" for the acceleration of gravity',
+    ]
+    stated = mb.read_record(tmp_path / "a.csv", time_unit="ms", unit="gn")
+    assert (stated.times.tolist(), stated.values.tolist(), stated.notices) == ([0, 0.5], [9.80665, 19.6133], ())
+
+
+@pytest.mark.parametrize("column", [2.0, True, [2]])
+def test_a_column_is_a_number_or_a_name(tmp_path, column):
+    (tmp_path / "a.csv").write_text("t,x\n0,1\n1,2\n")
+    with pytest.raises(InputError, match=r"a\.csv: column: found .*; expected the number or the name of a column"):
+        mb.read_record(tmp_path / "a.csv", column=column)
+    assert mb.read_record(tmp_path / "a.csv", column=np.int64(2)).values.tolist() == [1, 2]
+
+
+def test_arrays_of_one_dimension_and_of_none(tmp_path):
+    np.save(tmp_path / "a.npy", np.arange(3.0))
+    assert mb.read_record(tmp_path / "a.npy", step=0.1).values.tolist() == [0, 1, 2]
+    np.save(tmp_path / "a.npy", np.zeros((0, 2)))
+    with pytest.raises(InputError, match=r"a\.npy: found no samples in it"):
+        mb.read_record(tmp_path / "a.npy")

@@ -162,7 +162,7 @@ BAD_FILES = [
     ("a.npz", npz(M=npy("<f8", "(10, 10000000000000)")), None, r"not an \.npz file"),
     ("a.npz", npz(M=npy("<f8", "(2, 2)", b"1234")), None, r"not an \.npz file"),
     ("a.npz", npz(M=npy("<c16", "(1, 1)", bytes(16))), None, r"complex numbers found"),
-    ("a.npz", npz(M=npy("<f8", "(1,)", bytes(8))), None, r"expected shape any x any, found 1"),
+    ("a.npz", npz(M=npy("<f8", "(1, 1, 1)", bytes(8))), None, r"expected shape any x any, found 1 x 1 x 1"),
 ]
 
 

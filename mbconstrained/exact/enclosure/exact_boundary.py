@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
@@ -11,9 +12,8 @@ import numpy as np
 
 from ...ground.checks import counted
 from ...ground.errors import InputError
-from ..rational import RationalMatrix, rational
+from ..rational import pivots, rational, rational_matrix
 from .exact_response import MOST_BITS, ZERO, ExactResponse
-from .exact_sources import ExactSource
 
 
 class ExactValue(NamedTuple):
@@ -25,32 +25,24 @@ class ExactValue(NamedTuple):
     value: float
 
 
+@dataclass(repr=False, eq=False)
 class ExactBoundary(ExactResponse):
     """The exact solution of A(d/dt) x = f with as many values at both ends as there are finite zeros.
 
     x_p is the motion from zero values at 0- under f, x_j are independent free motions.
     """
 
-    def __init__(
-        self,
-        matrix: RationalMatrix,
-        degree: int,
-        sources: Sequence[ExactSource],
-        values: Sequence[ExactValue],
-        duration: float | flint.fmpq,
-        rows: range | None = None,
-    ):
-        super().__init__(matrix, np.zeros((degree, matrix.size)).tolist(), sources, rows)
-        self.conditions, self.duration = tuple(values), rational(duration)
-        count = matrix.determinant.degree()
+    conditions: tuple[ExactValue, ...] = ()
+    duration: flint.fmpq = ZERO
+
+    def __post_init__(self):
+        super().__post_init__()
+        count = self.matrix.determinant.degree()
         if len(self.conditions) != count:
             raise InputError(
                 f"enclose: found {counted(len(self.conditions), 'boundary value')}; expected {count}, one for each finite zero, which "
                 "determine one motion"
             )
-
-    def with_rows(self, rows: range) -> ExactBoundary:
-        return ExactBoundary(self.matrix, len(self.initial), self.sources, self.conditions, self.duration, rows)
 
     @property
     def start(self) -> np.ndarray:
@@ -61,12 +53,11 @@ class ExactBoundary(ExactResponse):
         """Independent free motions, from values at 0- of which one is 1, in the requested rows."""
         degree, size = len(self.initial), self.matrix.size
         units = np.eye(degree * size, dtype=int).reshape(-1, degree, size)
-        starts = [ExactResponse(self.matrix, unit.tolist(), ()).start.ravel().tolist() for unit in units]
+        starts = [ExactResponse(self.matrix, unit.tolist(), ()).start.ravel() for unit in units]
         if not starts:
             return []
-        reduced, rank = flint.fmpq_mat([[rational(entry) for entry in row] for row in zip(*starts)]).rref()
-        pivots = [next(k for k, entry in enumerate(row) if entry) for row in reduced.tolist()[:rank]]
-        return [ExactResponse(self.matrix, units[k].tolist(), (), self.rows) for k in pivots]
+        places = pivots(*rational_matrix(np.array(starts).T).rref())
+        return [ExactResponse(self.matrix, units[k].tolist(), (), self.rows) for k in places]
 
     def _amounts(self) -> list[flint.arb]:
         """c at the working precision; not finite where more bits may separate the conditions."""
@@ -89,16 +80,17 @@ class ExactBoundary(ExactResponse):
                 ) from None
             return [flint.arb("nan")] * len(rows)
 
-    def _values(self, times: Sequence[flint.fmpq], order: int, through: flint.arb_mat | None = None) -> list[list[flint.arb]]:
-        columns = super()._values(times, order, through)
+    def _values(self, times: Sequence[flint.fmpq], order: int) -> list[list[flint.arb]]:
+        columns = super()._values(times, order)
         if not times or not self.size or not self.conditions:
             return columns
         for amount, motion in zip(self._amounts(), self._free):
-            own = motion._values(times, order, through)
+            own = motion._values(times, order)
             columns = [[a + amount * b for a, b in zip(*pair)] for pair in zip(columns, own)]
         return columns
 
 
 def with_boundary_values(x: ExactResponse, values: Sequence[ExactValue], duration: float) -> ExactBoundary:
     """Return the same equations and sources with values at both ends instead of those at 0-."""
-    return ExactBoundary(x.matrix, len(x.initial), x.sources, values, duration, x.rows)
+    rest = [[0] * x.matrix.size for _ in x.initial]
+    return ExactBoundary(x.matrix, rest, x.sources, x.rows, tuple(values), rational(duration))

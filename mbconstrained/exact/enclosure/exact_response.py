@@ -39,7 +39,7 @@ from ..rational import (
     regular_matrix,
     working_precision,
 )
-from .exact_sources import ONE, ExactSource, Factor, S, Shape, added, ball, sources_of, vector_of
+from .exact_sources import ONE, ExactSource, Factor, S, Shape, added, ball, sources_of, summed, vector_of
 from .intervals import Enclosure, bits_of, has_digits
 
 #: Bits to begin with, beyond those of the requested digits.
@@ -297,6 +297,7 @@ class Part:
     calls: tuple[tuple[flint.fmpq, Factor], ...]
 
 
+@dataclass(repr=False, eq=False)
 class ExactResponse(Displayed):
     """Exact solution x of A(d/dt) x = f from values at 0-, all data taken as exact numbers.
 
@@ -310,12 +311,15 @@ class ExactResponse(Displayed):
         SingularPolynomialMatrix: A(s) is not regular.
     """
 
-    def __init__(
-        self, matrix: RationalMatrix, initial: Sequence[Sequence], sources: Sequence[ExactSource], rows: range | None = None
-    ):
-        self.matrix, self.initial, self.sources = matrix, [vector_of(row) for row in initial], tuple(sources)
-        self.rows = range(matrix.size) if rows is None else rows
-        if not matrix.determinant:
+    matrix: RationalMatrix
+    initial: Sequence[Sequence] | np.ndarray
+    sources: Sequence[ExactSource]
+    rows: range | None = None
+
+    def __post_init__(self):
+        self.initial = [vector_of(row) for row in self.initial]
+        self.rows = range(self.matrix.size) if self.rows is None else self.rows
+        if not self.matrix.determinant:
             raise SingularPolynomialMatrix("det A(s) is zero for every s: the motion is not determined", (), ())
 
     def _summary(self) -> str:
@@ -328,7 +332,7 @@ class ExactResponse(Displayed):
 
     def with_rows(self, rows: range) -> ExactResponse:
         """Return the exact response of other rows of x without a new determinant."""
-        return ExactResponse(self.matrix, self.initial, self.sources, rows)
+        return replace(self, rows=rows)
 
     @cached_property
     def impulses(self) -> tuple[np.ndarray, ...]:
@@ -405,14 +409,14 @@ class ExactResponse(Displayed):
     @cached_property
     def _from_start(self) -> RationalResponse:
         """The response to sources from t = 0 on with a rational factor, and to the values at 0-, which act as impulses."""
-        now, below = [source for source in self.sources if _is_immediate(source)], ONE
-        for source in now:
-            below = below * (source.shape.denominator // below.gcd(source.shape.denominator))
-        total = [entry * below for entry in start_transform(self.matrix.coefficients, self.initial)]
-        for source in now:
-            above = source.shape.numerator * (below // source.shape.denominator) * source.factor
-            total = [entry + above * own for entry, own in zip(total, source.vector)]
-        return RationalResponse(self.matrix, total, below, self.rows)
+        now = (
+            (tuple(source.factor * entry for entry in source.vector), source.shape)
+            for source in self.sources
+            if _is_immediate(source)
+        )
+        total, below = summed(now, self.matrix.size)
+        started = start_transform(self.matrix.coefficients, self.initial)
+        return RationalResponse(self.matrix, [own + entry * below for own, entry in zip(total, started)], below, self.rows)
 
     def _called(self) -> Iterator[Part]:
         """Responses to later sources, or with irrational factors: equal functions of time share their response."""
@@ -463,7 +467,9 @@ class ExactResponse(Displayed):
         pending = list(range(len(times))) if rows else []
         while pending:
             with working_precision(precision):
-                columns, late = self._values([exact[k] for k in pending], order, through), []
+                columns, late = self._values([exact[k] for k in pending], order), []
+                if through is not None:
+                    columns = [(through * flint.arb_mat([[entry] for entry in column])).entries() for column in columns]
                 values[:, pending], errors[:, pending], certain = _as_floats(columns)
                 for place in np.flatnonzero(~certain).tolist():
                     k, column = pending[place], columns[place]
@@ -498,8 +504,8 @@ class ExactResponse(Displayed):
         """The exact times of events by the nearest floats, which stand for the right limit at the event."""
         return {float(fraction(begin)): begin for part in self._parts for begin, _ in part.calls}
 
-    def _values(self, times: Sequence[flint.fmpq], order: int, through: flint.arb_mat | None = None) -> list[list[flint.arb]]:
-        """Columns (r,) of balls, one for each time, at the working precision; through a matrix (p, r) columns (p,)."""
+    def _values(self, times: Sequence[flint.fmpq], order: int) -> list[list[flint.arb]]:
+        """Columns (r,) of balls, one for each time, at the working precision."""
         if not times or not self.size:
             return [[] for _ in times]
         calls = [
@@ -525,7 +531,7 @@ class ExactResponse(Displayed):
                     known, own = [flint.fmpq(entry, scale) for entry in exact.table()[place]], balls.tolist()[place]
                     columns[k] = self._with_starts(known, own, order, times[k], calls[number:])
             pending = pending[count:]
-        return columns if through is None else [(through * flint.arb_mat([[a] for a in own])).entries() for own in columns]
+        return columns
 
     def _with_starts(self, exact: list[flint.fmpq], balls: list[flint.arb], order: int, time: flint.fmpq, calls) -> list[flint.arb]:
         """The values at a time with the sources that begin there: its right limit."""

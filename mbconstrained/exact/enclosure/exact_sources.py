@@ -64,13 +64,10 @@ def _of_term(term: ExactTerm, origin: ExactInput) -> Iterator[ExactSource]:
     time = rational(origin.time())
     vector = tuple(entry / term.divisor for entry in vector_of(term.vector))
     cosine, sine = phase_factors(term.phase)
-    if term.angular_frequency == 0:
-        exponential = Shape(flint.fmpq_poly([factorial(term.power)]), (S - rational(term.rate)) ** (term.power + 1))
-        yield ExactSource(exponential, vector, time, cosine)
-        return
     with_cosine, with_sine = harmonic_powers(term.power, term.rate, term.angular_frequency)
     yield ExactSource(with_cosine, vector, time, cosine)
-    yield ExactSource(with_sine, vector, time, sine * flint.fmpq(-1))
+    if with_sine.numerator:
+        yield ExactSource(with_sine, vector, time, sine * flint.fmpq(-1))
 
 
 def _of_impulse(impulse: ExactImpulse, origin: ExactInput) -> Iterator[ExactSource]:
@@ -245,6 +242,16 @@ class Shape:
         return tuple(map(str, self.numerator.coeffs())), tuple(map(str, self.denominator.coeffs()))
 
 
+def summed(parts: Iterable[tuple[Vector, Shape]], size: int) -> tuple[list[flint.fmpq_poly], flint.fmpq_poly]:
+    """The sum of vectors times transforms, over a common denominator."""
+    total, below = [flint.fmpq_poly([0])] * size, ONE
+    for vector, shape in parts:
+        common = below.gcd(shape.denominator)
+        own, other = shape.denominator // common, below // common
+        total, below = [entry * own + shape.numerator * other * factor for entry, factor in zip(total, vector)], below * own
+    return total, below
+
+
 def delta(order: int) -> Shape:
     """The derivative of this order of Dirac's delta."""
     return Shape(S**order)
@@ -255,11 +262,11 @@ def power(k: int) -> Shape:
     return Shape(ONE, S ** (k + 1))
 
 
-def harmonic_powers(k: int, rate: float, angular_frequency: float) -> tuple[Shape, Shape]:
+def harmonic_powers(k: int, rate, angular_frequency) -> tuple[Shape, Shape]:
     """t^k e^{at} cos wt and t^k e^{at} sin wt: real and imaginary part of k! / (s - a - i w)^(k + 1) for real s."""
     moved, w = S - rational(rate), flint.fmpq_poly([rational(angular_frequency)])
     real, imaginary = flint.fmpq_poly([factorial(k)]), flint.fmpq_poly([0])
     for _ in range(k + 1):
         real, imaginary = real * moved - imaginary * w, real * w + imaginary * moved
     below = (moved**2 + w**2) ** (k + 1)
-    return Shape(real, below), Shape(imaginary, below)
+    return _reduced(real, below), _reduced(imaginary, below)

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from decimal import Decimal
+from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 from fractions import Fraction
-from math import floor, log10
 
 import flint
 import numpy as np
@@ -165,23 +164,14 @@ def decimal_bounds(value: flint.arb, digits: int) -> tuple[str, str]:
         if not largest.is_zero() and largest < flint.arb(10) ** -LARGEST_POWER:
             low, high = value.lower() < 0, value.upper() > 0
             return f"-1E-{LARGEST_POWER}" if low else "0", f"1E-{LARGEST_POWER}" if high else "0"
-        return _decimal(value.lower(), digits + MORE_DIGITS, 1), _decimal(value.upper(), digits + MORE_DIGITS, -1)
+        return _decimal(value.lower(), digits, ROUND_FLOOR), _decimal(value.upper(), digits, ROUND_CEILING)
 
 
-def _decimal(value: flint.arb, digits: int, side: int) -> str:
-    """An exact ball, that is a number, rounded to a number of digits: down (side 1) or up (side -1)."""
-    mantissa, exponent = (int(part) for part in value.man_exp())
-
-    def rounded(power: int) -> int:
-        above = (side * mantissa << max(exponent, 0)) * 10 ** max(-power, 0)
-        return side * (above // (10 ** max(power, 0) << max(-exponent, 0)))
-
-    power = floor((mantissa.bit_length() + exponent) * log10(2)) - digits
-    whole = rounded(power)
-    while abs(whole) >= 10**digits or (whole and whole % 10 == 0):
-        power += 1
-        whole = rounded(power) if abs(whole) >= 10**digits else whole // 10
-    return str(Decimal(f"{whole}E{power}")) if whole else "0"
+def _decimal(value: flint.arb, digits: int, rounding: str) -> str:
+    """An exact ball, that is a number, rounded to some more digits than requested."""
+    (mantissa, exponent), context = map(int, value.man_exp()), Context(prec=digits + MORE_DIGITS, rounding=rounding)
+    quotient = context.divide(Decimal(mantissa << max(exponent, 0)), Decimal(1 << max(-exponent, 0)))
+    return str(context.normalize(quotient))
 
 
 # Intervals that contain s^p C A(s)^-1 B at s = 2 pi f i, for exact data.

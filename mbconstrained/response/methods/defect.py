@@ -161,12 +161,15 @@ class Rounding:
         force: a bound of the errors of the coefficients of f, for each row, shape (r,).
         elements: the data that A_0, A_1, A_2 are assembled from, None for those that are data; None where A(s) is not just assembled.
         unresolved: bounds of what the elements still lack of A_0, A_1, ...; none where they lack nothing.
+        has_exact_zeros: whether the entries of A_1 and A_2 that are zero are so for the data taken as exact numbers; False where that is
+            not known.
     """
 
     coefficients: tuple[np.ndarray, ...]
     force: np.ndarray
     elements: tuple[Factors | None, ...] | None = None
     unresolved: tuple[np.ndarray, ...] = ()
+    has_exact_zeros: bool = False
 
     @classmethod
     def of_elements(cls, coefficients: np.ndarray, elements: Sequence[Factors | None]) -> Rounding | None:
@@ -195,24 +198,29 @@ class Defect:
     piece: int = 0
     before: Defect | None = None
 
-    def allows(self, place: np.ndarray, order: int, times: np.ndarray, allowed: np.ndarray) -> np.ndarray:
-        """The times at which the errors of this derivative of place @ z, by its modes, are guaranteed as small as allowed."""
+    def errors(self, place: np.ndarray, order: int, times: np.ndarray, allowed: np.ndarray) -> np.ndarray:
+        """Bounds of the errors of this derivative of place @ z by its modes, one for all times where that is as small as allowed."""
         if self.is_whole and len(times):
             with np.errstate(all="ignore"):
                 return self._late(place, order, times, allowed)
-        sure, covered = np.zeros(len(times), dtype=bool), self.covers(times)
+        errors, covered = np.full(len(times), np.inf), self.covers(times)
         pieces, since = self.flow.states.restarts.located(times)
         with np.errstate(all="ignore"):
             for piece in np.unique(pieces[covered]).tolist():
                 at = np.flatnonzero(pieces == piece)
-                sure[at] = self._pieces[piece]._late(place, order, since[at], allowed[at])
-        return sure
+                errors[at] = self._pieces[piece]._late(place, order, since[at], allowed[at])
+        return errors
 
     def covers(self, times: np.ndarray) -> np.ndarray:
         """The times at which the errors of the sums of modes are bounded: truth values, shape (T,)."""
         if self._modes is None or self.is_whole:
             return np.full(len(times), self._modes is not None)
         return self.follows_force | (self.flow.states.restarts.located(times)[0] == 0)
+
+    @cached_property
+    def has_exact_zeros(self) -> bool:
+        """Whether no mass or damping is zero to rounding only, so that the data taken as exact numbers have as many states."""
+        return (self.rounding is None or self.rounding.has_exact_zeros) and self.flow.reduction.has_exact_zeros
 
     @property
     def is_one_piece(self) -> bool:
@@ -293,19 +301,20 @@ class Defect:
     # Sums of modes.
 
     def _late(self, place, order, times, allowed, rounding: float | None = None) -> np.ndarray:
-        """Whether the errors of the sums of modes are within the allowed ones, rounding errors relative to the size of their terms."""
+        """Bounds of the errors of the sums of modes, rounding errors relative to the size of their terms; one for all times where
+        that is as small as allowed."""
         end = float(times.max())
         terms, constant, linear, rest = self._known_envelope(place, order, self._until(end))
         constant = constant + (self._unit[0] if rounding is None else rounding) * terms
         rates = self._modes.rates
         growth = np.exp(np.maximum(rates, 0.0) * end)
-        sure = (constant + end * linear) @ growth + rest * growth.max(initial=1.0) <= allowed
-        if sure.all() or not rest < np.inf:
-            return sure
-        at = np.flatnonzero(~sure)
-        decay = np.exp(np.multiply.outer(rates, times[at]))
-        sure[at] = constant @ decay + times[at] * (linear @ decay) + rest * growth.max(initial=1.0) <= allowed[at]
-        return sure
+        later = rest * growth.max(initial=1.0)
+        errors = np.full(len(times), (constant + end * linear) @ growth + later)
+        at = np.flatnonzero(~(errors <= allowed))
+        if len(at) and rest < np.inf:
+            decay = np.exp(np.multiply.outer(rates, times[at]))
+            errors[at] = constant @ decay + times[at] * (linear @ decay) + later
+        return errors
 
     def _known_envelope(self, place, order: int, end: float) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
         known, key = self._envelopes, (order, end)

@@ -78,40 +78,59 @@ class ProvedFunction(BohlFunction):
     summed_from = property(attrgetter("rough.summed_from"))
 
     @property
+    def is_bounded(self) -> bool:
+        """Whether the errors of the float64 values are bounded with respect to the exact data."""
+        return self.defect is not None and self.defect.has_exact_zeros
+
+    @property
     def is_provable(self) -> bool:
         """Whether the exact data determine a motion with the same number of states, not one caused by rounding errors."""
+        if self.is_bounded:
+            return True
         try:
             return self.exact().matrix.determinant.degree() == self.finite_count
         except SingularPolynomialMatrix:
             return False
 
     def _values(self, times: np.ndarray) -> np.ndarray:
+        return self.evaluated(times)[0]
+
+    def evaluated(self, times: np.ndarray, accuracy: float = PROVED_ACCURACY) -> tuple[np.ndarray, np.ndarray]:
+        """Values, shape (p, T), and a bound of the largest error at each time, shape (T,); infinite where none is known.
+
+        One bound serves many times where it is within this accuracy relative to the values; with 0 each time has its own, which is closer.
+        """
         if self.defect is None or not self.size:
-            return self.proved(times)[0] if len(times) <= MOST_TIMES and self.is_provable else self.rough(times)
+            if len(times) <= MOST_TIMES and self.is_provable:
+                return self.proved(times)
+            return self.rough(times), np.full(len(times), np.inf)
         refining = self.defect.flow.refined is not None
         bounds = self.refined if refining else self.defect
         covered = None if bounds.is_whole else bounds.covers(times)
         if covered is not None and not covered.all() and np.count_nonzero(~covered) <= MOST_TIMES and self.is_provable:
-            values = np.empty((self.size, len(times)))
-            values[:, ~covered] = self.proved(times[~covered])[0]
+            values, errors = np.empty((self.size, len(times))), np.zeros(len(times))
+            values[:, ~covered], errors[~covered] = self.proved(times[~covered])
             if covered.any():
-                values[:, covered] = self._values(times[covered])
-            return values
+                values[:, covered], errors[covered] = self.evaluated(times[covered], accuracy)
+            return values, errors
         often = refining or self._turns_often(times)
         if often:
-            values, sure = self._by_refined_modes(times, self.refined.rounded)
-            doubtful = np.flatnonzero(~sure)
+            values, errors = self._by_refined_modes(times, self.refined.rounded, accuracy)
         else:
-            values, doubtful = self._sums_of_modes(times)
+            values, errors = self._sums_of_modes(times, accuracy)
+        doubtful = np.flatnonzero(~are_right(values, errors))
         if not refining:
-            doubtful = self._begun(values, times, doubtful)
+            doubtful = self._begun(values, errors, times, doubtful)
         if len(doubtful) and self.refined is not None and self.refined.refined is not None:
-            better, sure = self._by_refined_modes(times[doubtful], self.refined.doubled if often else self.refined.proved)
-            values[:, doubtful[sure]] = better[:, sure]
+            better, bound = self._by_refined_modes(
+                times[doubtful], self.refined.doubled if often else self.refined.proved, accuracy
+            )
+            sure = are_right(better, bound)
+            values[:, doubtful[sure]], errors[doubtful[sure]] = better[:, sure], bound[sure]
             doubtful = doubtful[~sure]
         if 0 < len(doubtful) <= MOST_TIMES and self.is_provable:
-            values[:, doubtful] = self.proved(times[doubtful])[0]
-        return values
+            values[:, doubtful], errors[doubtful] = self.proved(times[doubtful])
+        return values, errors
 
     def _turns_often(self, times: np.ndarray) -> bool:
         """Whether phases turn so often that refined modes are needed at many times, where there are such."""
@@ -119,20 +138,19 @@ class ProvedFunction(BohlFunction):
             return False
         return self.refined is not None and self.refined.refined is not None
 
-    def _sums_of_modes(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Values, and the indices of the times at which they are not guaranteed to ``PROVED_ACCURACY``."""
+    def _sums_of_modes(self, times: np.ndarray, accuracy: float) -> tuple[np.ndarray, np.ndarray]:
+        """Values and bounds of their errors."""
         if (whole := self._in_whole_pieces) is None:
             values = self.rough.by_modes(times)
-            return values, np.flatnonzero(~self._surely(values, times))
+            return values, self._bounds(values, times, accuracy)
         values = whole.rough.by_modes(times)
-        places = np.flatnonzero(~whole._surely(values, times, KEPT_ACCURACY))
-        if not len(places):
-            return values, places
-        right = whole._surely(values[:, places], times[places])
-        better = self.rough.by_modes(times[places])
-        sure = self._surely(better, times[places])
-        values[:, places[sure]] = better[:, sure]
-        return values, places[~(sure | right)]
+        errors = whole._bounds(values, times, min(accuracy, KEPT_ACCURACY))
+        if len(places := np.flatnonzero(~are_right(values, errors, KEPT_ACCURACY))):
+            better = self.rough.by_modes(times[places])
+            bounds = self._bounds(better, times[places], accuracy)
+            sure = are_right(better, bounds)
+            values[:, places[sure]], errors[places[sure]] = better[:, sure], bounds[sure]
+        return values, errors
 
     @cached_property
     def _in_whole_pieces(self) -> ProvedFunction | None:
@@ -142,18 +160,18 @@ class ProvedFunction(BohlFunction):
         rough = self.rough.of(whole.flow)
         return ProvedFunction(rough, self.exact, self.finite_count, whole, None, self.order, self.matrix)
 
-    def _surely(self, values: np.ndarray, times: np.ndarray, accuracy: float = PROVED_ACCURACY) -> np.ndarray:
-        """Which sums of modes are guaranteed to this accuracy relative to the largest value."""
-        allowed = accuracy * np.abs(values).max(axis=0)
-        return self.defect.allows(self.rough.place, self.rough.order, times, allowed)
+    def _bounds(self, values: np.ndarray, times: np.ndarray, accuracy: float) -> np.ndarray:
+        """Bounds of the errors of sums of modes, one for all times where it is within this accuracy."""
+        return self.defect.errors(self.rough.place, self.rough.order, times, accuracy * np.abs(values).max(axis=0))
 
-    def _begun(self, values: np.ndarray, times: np.ndarray, doubtful: np.ndarray) -> np.ndarray:
+    def _begun(self, values: np.ndarray, errors: np.ndarray, times: np.ndarray, doubtful: np.ndarray) -> np.ndarray:
         """Replace values at the first doubtful times by the Taylor series, and return the indices that remain doubtful."""
         if not len(doubtful):
             return doubtful
         flow = self.defect.flow
         if not flow.jumping and flow.impulsive is None and self.order < len(flow.initial) and not flow.initial[self.order].any():
-            values[:, doubtful[times[doubtful] == 0]] = 0.0  # as given
+            at_start = doubtful[times[doubtful] == 0]
+            values[:, at_start] = errors[at_start] = 0.0  # as given
             doubtful = doubtful[times[doubtful] > 0]
         if not len(doubtful) or times[doubtful].min() * flow.modal_rate >= LATER:
             return doubtful
@@ -164,20 +182,20 @@ class ProvedFunction(BohlFunction):
         begun = values[:, early]
         replace(start, bounds=None).replace(begun, times[early], self.rough.output, lambda: np.zeros(0))
         values[:, early] = begun
-        bound = self.defect.of_series(self.rough.place, self.rough.order, times[early])
-        right = bound <= PROVED_ACCURACY * np.abs(values[:, early]).max(axis=0)
-        return np.setdiff1d(doubtful, early[right])
+        errors[early] = self.defect.of_series(self.rough.place, self.rough.order, times[early])
+        return np.setdiff1d(doubtful, early[are_right(begun, errors[early])])
 
-    def _by_refined_modes(self, times: np.ndarray, sums: Callable) -> tuple[np.ndarray, np.ndarray]:
-        """Sums of refined modes, and at which times they are guaranteed."""
+    def _by_refined_modes(self, times: np.ndarray, sums: Callable, accuracy: float) -> tuple[np.ndarray, np.ndarray]:
+        """Sums of refined modes, and bounds of their errors, with that of their rounding to float64."""
         with np.errstate(all="ignore"):
-            return sums(self._through, self.order, times, REFINED_ACCURACY)
+            values, errors = sums(self._through, self.order, times, min(accuracy, REFINED_ACCURACY))
+            return values, errors + 2 * EPS * np.abs(values).max(axis=0, initial=0.0)
 
     def proved(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Values by the exact engine, shape (p, T), with bounds of their errors."""
+        """Values by the exact engine, shape (p, T), with bounds of their errors, shape (T,)."""
         exact = self.exact()
         parts = [exact.rounded(times[k : k + AT_ONCE], self.order, self.matrix) for k in range(0, max(len(times), 1), AT_ONCE)]
-        return np.hstack([values for values, _ in parts]), np.hstack([errors for _, errors in parts])
+        return np.hstack([values for values, _ in parts]), np.hstack([errors for _, errors in parts]).max(axis=0, initial=0.0)
 
     def _with(self, rough: BohlFunction, order: int, matrix) -> ProvedFunction:
         return ProvedFunction(rough, self.exact, self.finite_count, self.defect, self.refined, order, matrix)
@@ -214,6 +232,11 @@ class ProvedFunction(BohlFunction):
         return self.rough + (other.rough if isinstance(other, ProvedFunction) else other)
 
     __radd__ = __add__
+
+
+def are_right(values: np.ndarray, errors: np.ndarray, accuracy: float = PROVED_ACCURACY) -> np.ndarray:
+    """Which values are right to this accuracy relative to the largest one at their time."""
+    return errors <= accuracy * np.abs(values).max(axis=0, initial=0.0)
 
 
 def proved_event(exact: ExactResponse, event: Event, initial: np.ndarray) -> Event:

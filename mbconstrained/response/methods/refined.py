@@ -484,25 +484,25 @@ class RefinedDefect(Defect):
         return BohlFunction(C, tuple(blocks), start)
 
     def proved(self, matrix: np.ndarray, order: int, times: np.ndarray, accuracy: float) -> tuple[np.ndarray, np.ndarray]:
-        """The derivative of this order of matrix @ x, and at which times it is guaranteed to this accuracy of the largest value.
+        """The derivative of this order of matrix @ x, and bounds of its errors, with this accuracy of the largest value where possible.
 
         Phases have always twice the digits; exponentials and sums where those of float64 do not suffice.
         """
-        values, sure = self.rounded(matrix, order, times, accuracy)
-        if len(late := np.flatnonzero(~sure)):
-            values[:, late], sure[late] = self.doubled(matrix, order, times[late], accuracy)
-        return values, sure
+        values, errors = self.rounded(matrix, order, times, accuracy)
+        if len(late := np.flatnonzero(errors > accuracy * np.abs(values).max(axis=0, initial=0.0))):
+            values[:, late], errors[late] = self.doubled(matrix, order, times[late], accuracy)
+        return values, errors
 
     def rounded(self, matrix: np.ndarray, order: int, times: np.ndarray, accuracy: float) -> tuple[np.ndarray, np.ndarray]:
-        """Sums in float64, and at which times they are guaranteed to this accuracy of the largest value."""
+        """Sums in float64, and bounds of their errors."""
         return self._summed(matrix, order, times, accuracy, SUMMED_IN_FLOAT64 * EPS, self._in_float64)
 
     def doubled(self, matrix: np.ndarray, order: int, times: np.ndarray, accuracy: float) -> tuple[np.ndarray, np.ndarray]:
-        """Sums with twice the digits, and at which times they are guaranteed to this accuracy of the largest value."""
+        """Sums with twice the digits, and bounds of their errors."""
         return self._summed(matrix, order, times, accuracy, 2 * EXPONENTIAL_EPS, self._with_twice_the_digits)
 
     def _summed(self, matrix, order, times, accuracy, rounding, sums) -> tuple[np.ndarray, np.ndarray]:
-        restarts, values, sure = self._force, np.empty((len(matrix), len(times))), np.zeros(len(times), dtype=bool)
+        restarts, values, errors = self._force, np.empty((len(matrix), len(times))), np.full(len(times), np.inf)
         pieces, since = restarts.located(times)
         many = len(restarts.knots) > 1
         for piece in np.unique(pieces).tolist() if many else range(min(len(times), 1)):
@@ -511,8 +511,9 @@ class RefinedDefect(Defect):
             if piece:
                 exact = exact - restarts.knots[piece] - np.broadcast_to(restarts.remainders, restarts.knots.shape)[piece]
             values[:, at] = _in_chunks(sums, own._weights(matrix, order), exact)
-            sure[at] = own._late(matrix, order, since[at], accuracy * np.abs(values[:, at]).max(axis=0, initial=0.0), rounding)
-        return values, sure
+            allowed = accuracy * np.abs(values[:, at]).max(axis=0, initial=0.0)
+            errors[at] = own._late(matrix, order, since[at], allowed, rounding)
+        return values, errors
 
     def _in_float64(self, weights: DoubleDouble, times: DoubleDouble) -> np.ndarray:
         known, key = self.refined.exponentials, times.high.tobytes()

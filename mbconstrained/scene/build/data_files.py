@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -109,7 +111,8 @@ def read_record(
             Dates and times of day become seconds after the first; a date is joined with a time of day in the column next to it.
         step: between samples, in s or as text with a unit, of a file without times. Without a column every number of the file is
             a sample, line by line.
-        unit: of the values. By default what stands in parentheses behind the name of the column, where it is a unit, otherwise SI.
+        unit: of the values. By default what stands in parentheses or after a slash behind the name of the column, where it
+            is a unit, otherwise SI.
             Formats that fix their unit need none; WAV has shares of full scale.
         time_unit: of the times; by default as for the values.
         factor: a number, or a text with a unit that multiplies the unit of the values, e.g. "-1200 kg" for an acceleration.
@@ -181,6 +184,12 @@ def record_in_si(
         notes.append(
             f'"{samples.unit[:40]}" behind the name of the column is no known unit; {expected or "SI"} is taken: give unit'
         )
+    if step is None and time_unit is None and not samples.time_unit:
+        notes += _named_unit(samples.time_name, along.unit, "time_unit")
+    if unit is None and not samples.unit and expected:
+        notes += _named_unit(samples.name, expected, "unit")
+    if unit is None and samples.unit == "g" and expected is None:
+        notes.append('"g" behind the name of the column is the gram; give unit = "gn" for the acceleration of gravity')
     unit = unit or _readable(samples.unit)
     unit = unit if unit is None or isinstance(factor, str) else meant(unit, expected)
     scale, kind = (1.0, None) if unit is None else _si(unit)
@@ -302,6 +311,15 @@ def _check_sizes(samples: Samples, times: np.ndarray, values: np.ndarray) -> Non
             f"{samples.file}, {samples.place(row)}: found {times[row]:g} s and {values[row]:g}; expected 0 or a size between "
             f"{LEAST:g} and {LARGEST:g} of both"
         )
+
+
+def _named_unit(name: str, expected: str, key: str) -> Iterator[str]:
+    """A note where the last word of a name is a unit of the expected kind, as in t_ms, which is not read as such."""
+    word = re.split(r"[\s_,.;:-]+", name)[-1]
+    if word != name and (unit := _readable(word)) is not None:
+        size, kind = _si(unit)
+        if kind is not None and size != 1 and same_kind(kind, expected):
+            yield f'the name "{name[:40]}" may mean {unit}; {expected} is taken: give {key} = "{unit}" if it does'
 
 
 def _readable(text: str) -> str | None:

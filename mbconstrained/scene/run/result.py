@@ -34,7 +34,7 @@ from ...mechanics.switched import is_switched
 from ...polynomial.reduced_equations import Reduction
 from ...response.estimate import error_estimate
 from ...response.events import Event
-from ...response.response_notices import first_and_count, kink_notices, sides, without_kinks
+from ...response.response_notices import later_notices, sides, without_kinks
 from ..build.model import named_quantities, output_names
 from ..build.switched import final_notices
 from ..quantities.coordinates import Coordinates, OutputUnits, beyond_noise
@@ -114,9 +114,8 @@ def with_units(response: Response, coordinates: Coordinates) -> tuple[Notice, ..
     """The notices of a response without units of its coordinates, with these units."""
     own = (NoticeKind.JUMP, NoticeKind.IMPULSE, NoticeKind.KINK)
     others = [notice for notice in response.notices if notice.kind not in own]
-    later = first_and_count(lambda event: _sentences(response, coordinates, event), without_kinks(response))
-    kinks = kink_notices(response, partial(_kink_text, coordinates))
-    return (*_sentences(response, coordinates), *later, *kinks, *others)
+    later = later_notices(response, partial(_sentences, response, coordinates), partial(_kink_text, coordinates))
+    return (*_sentences(response, coordinates), *later, *others)
 
 
 def _kink_text(coordinates: Coordinates, number: int, order: int, size: float) -> str:

@@ -368,7 +368,7 @@ STEPS = (
     PossibleStage("element quantities", element_quantities, methodcaller("curves", "quantity")),
     PossibleStage("modes", modes, attrgetter("modes")),
     PossibleStage("error estimate", (True, "an answer carries its evidence"), attrgetter("error_estimate")),
-    PossibleStage("proof (python-flint)", proof, part_of="error estimate"),
+    PossibleStage("proof", proof, part_of="error estimate"),
     PossibleStage("certificate (python-flint)", certificate, attrgetter("certificate")),
     PossibleStage("symbols (sympy)", symbols, attrgetter("formula"), writes=True),
     PossibleStage("frequency response", frequency, attrgetter("frequency.response")),

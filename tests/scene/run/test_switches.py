@@ -108,7 +108,7 @@ def test_nothing_is_reported_twice(drop):
 def test_the_plan_has_a_stage_for_switches_where_there_are_some(tmp_path):
     stages = {stage.name: stage for stage in scene_of(tmp_path, DROP).plan().stages}
     assert stages["switches"].needed and "1 switch (floor)" in stages["switches"].reason
-    assert not stages["scaling and staircase"].needed and not stages["proof (python-flint)"].needed
+    assert not stages["scaling and staircase"].needed and not stages["proof"].needed
     without = DROP.split("[[model.contact]]")[0] + DROP[DROP.index("[initial]") :].replace(', "reaction"', "")
     stages = {stage.name: stage for stage in scene_of(tmp_path, without).plan().stages}
     assert not stages["switches"].needed and "no contacts" in stages["switches"].reason
