@@ -274,7 +274,12 @@ def independent_rows(rows: Sequence[ConstraintRow], size: int) -> IndependentRow
     uncertainty = np.array([row.uncertainty + np.zeros(size) for row in rows])
     scale = equilibration(np.abs(matrix))[1]
     noise = np.maximum(EPS * np.abs(matrix), uncertainty) * scale
-    kept, pivots, reduced = _reduced(rows, Noisy(matrix * scale, noise))
+    attached = Noisy.exact(np.zeros((len(rows), len(LEVELS) + len(rows))))  # the value of each level, and the factors of the rows
+    for place, row in enumerate(rows):
+        attached.data[place, row.order], attached.noise[place, row.order] = row.value, EPS * abs(row.value)
+        attached.data[place, len(LEVELS) + place] = 1.0
+    reduced = Noisy(np.hstack([matrix * scale, attached.data]), np.hstack([noise, attached.noise]))
+    kept, pivots = reduce_in_order(reduced, size)
     own = reduced[kept]
     margins = own.size[range(len(kept)), pivots] / (NOISE_SAFETY * own.noise[range(len(kept)), pivots])
     notices = [_redundant(rows, place, reduced.data[place, size:]) for place in range(len(rows)) if place not in kept]
@@ -288,19 +293,6 @@ def independent_rows(rows: Sequence[ConstraintRow], size: int) -> IndependentRow
     null_space, motions = _null_space(own.data[:, :size], pivots, scale)
     independent = tuple(rows[place] for place in kept)
     return IndependentRows(independent, matrix[kept], uncertainty[kept], null_space, motions, tuple(pivots), tuple(notices))
-
-
-def _reduced(rows, matrix: Noisy) -> tuple[list[int], list[int], Noisy]:
-    """The indices of the independent rows, their pivot columns, and all rows after elimination.
-
-    Columns appended to the rows: the value of each row in the column of its level, and an exact unit vector.
-    """
-    attached = Noisy.exact(np.zeros((len(rows), len(LEVELS) + len(rows))))
-    for place, row in enumerate(rows):
-        attached.data[place, row.order], attached.noise[place, row.order] = row.value, EPS * abs(row.value)
-        attached.data[place, len(LEVELS) + place] = 1.0
-    work = Noisy(np.hstack([matrix.data, attached.data]), np.hstack([matrix.noise, attached.noise]))
-    return *map(list, reduce_in_order(work, matrix.data.shape[1])), work
 
 
 def _null_space(reduced: np.ndarray, pivots: list[int], scale: np.ndarray) -> tuple[np.ndarray, tuple[int | None, ...]]:

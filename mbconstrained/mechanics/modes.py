@@ -307,7 +307,23 @@ class Modes(Presented, Sequence):
         Of sparse matrices also the residual.
         """
         residuals = [{}] * len(self) if self.bounds is None else [{"residual": f"{one:.2g}"} for one in self.residuals]
-        return [_table_row(mode) | residual for mode, residual in zip(self.modes, residuals)]
+        rows = []
+        for mode, residual in zip(self.modes, residuals):
+            real, imaginary = mode.eigenvalue.real, mode.eigenvalue.imag
+            growth = f"{real:.6g} " if real else ""
+            rows.append(
+                {
+                    "kind": mode.kind,
+                    "frequency (Hz)": f"{mode.frequency_hz:.6g}" if imaginary else "",
+                    "damping ratio": f"{mode.damping_ratio:.4g}" if imaginary else "",
+                    "eigenvalue (1/s)": f"{growth}± {imaginary:.6g} i" if imaginary else f"{real:.6g}",
+                    "natural frequency (rad/s)": f"{mode.natural_frequency:.6g}" if imaginary else "",
+                    "multiplicity": str(mode.multiplicity),
+                    "meaning": mode.text,
+                    **residual,
+                }
+            )
+        return rows
 
     def arrays(self) -> dict[str, np.ndarray]:
         """eigenvalues, natural_frequencies, frequencies_hz, damping_ratios, shapes (of the oscillating modes) and names, as arrays."""
@@ -346,20 +362,6 @@ class Modes(Presented, Sequence):
             modes = [(mode.eigenvalue, shape) for mode in self.modes if mode.kind not in STILL for shape in mode.shapes.T]
             write_modes(place, modes, self.names, each, geometry or Geometry(), path.stem)
         return path
-
-
-def _table_row(mode: Mode) -> dict[str, str]:
-    real, imaginary = mode.eigenvalue.real, mode.eigenvalue.imag
-    growth = f"{real:.6g} " if real else ""
-    return {
-        "kind": mode.kind,
-        "frequency (Hz)": f"{mode.frequency_hz:.6g}" if imaginary else "",
-        "damping ratio": f"{mode.damping_ratio:.4g}" if imaginary else "",
-        "eigenvalue (1/s)": f"{growth}± {imaginary:.6g} i" if imaginary else f"{real:.6g}",
-        "natural frequency (rad/s)": f"{mode.natural_frequency:.6g}" if imaginary else "",
-        "multiplicity": str(mode.multiplicity),
-        "meaning": mode.text,
-    }
 
 
 # The modes of a mechanical system: eigenvalues and shapes by LAPACK where equations reduce to a regular matrix, else by Jordan pairs.

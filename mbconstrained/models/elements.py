@@ -10,6 +10,7 @@ import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import MISSING, Field, dataclass, field, fields, replace
 from fractions import Fraction
+from functools import cache
 from itertools import count
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, NamedTuple, Self, get_args, get_type_hints
 
@@ -73,18 +74,14 @@ class _Fields(NamedTuple):
     joins: tuple[tuple[str, str | None], ...]
 
 
-_FIELDS: dict[type, _Fields] = {}
-
-
+@cache
 def _fields_of(kind: type[Element]) -> _Fields:
-    if kind not in _FIELDS:
-        hints = get_type_hints(kind, include_extras=True)
-        entries = {each.name: Entry(*get_args(hints[each.name])[:2], each) for each in fields(kind)}  # type: ignore[call-arg]
-        numbers = {name: entry.about for name, entry in entries.items() if entry.is_number}
-        ordered = dict(sorted(numbers.items(), key=lambda item: get_args(Range).index(item[1].range)))
-        joins = ((name, entry.about.unit) for name, entry in entries.items() if isinstance(entry.about, Joins))
-        _FIELDS[kind] = _Fields(entries, ordered, tuple((name, kind.axis if unit == "" else unit) for name, unit in joins))
-    return _FIELDS[kind]
+    hints = get_type_hints(kind, include_extras=True)
+    entries = {each.name: Entry(*get_args(hints[each.name])[:2], each) for each in fields(kind)}  # type: ignore[call-arg]
+    numbers = {name: entry.about for name, entry in entries.items() if entry.is_number}
+    ordered = dict(sorted(numbers.items(), key=lambda item: get_args(Range).index(item[1].range)))
+    joins = ((name, entry.about.unit) for name, entry in entries.items() if isinstance(entry.about, Joins))
+    return _Fields(entries, ordered, tuple((name, kind.axis if unit == "" else unit) for name, unit in joins))
 
 
 def entries_of(kind: type[Element]) -> dict[str, Entry]:
@@ -119,9 +116,11 @@ class Element(Public):
             cls.kind = "".join(f" {letter.lower()}" if letter.isupper() else letter for letter in cls.__name__).strip()
 
     def __post_init__(self):
-        for name, about in numbers_of(type(self)).items():
+        entries, numbers, _ = _fields_of(type(self))
+        for name, about in numbers.items():
             value = getattr(self, name)
-            if value is not None or entries_of(type(self))[name].field.default is not None:
+            is_right = type(value) is float and 0.0 < value < math.inf and about.range != "whole"  # mostly
+            if not is_right and value is not entries[name].field.default:
                 object.__setattr__(self, name, self._number(value, name.replace("_", " "), about))  # a frozen dataclass
 
     def _number(self, value, field: str, about: Numeric) -> float | str:
@@ -157,11 +156,7 @@ class Element(Public):
     @property
     def ends(self) -> dict[str, str | None]:
         """The bodies that it joins, each with the unit that its coordinate must have, None for both."""
-        return dict(self._joined)
-
-    @property
-    def _joined(self) -> list[tuple[str, str | None]]:
-        return [(getattr(self, name), unit) for name, unit in _fields_of(type(self)).joins]
+        return {getattr(self, name): unit for name, unit in _fields_of(type(self)).joins}
 
     @property
     def parts(self) -> tuple[Element, ...]:
@@ -176,7 +171,7 @@ class Element(Public):
     @property
     def default_names(self) -> Iterator[str]:
         """Names for an element without one, the first that is not in use to be chosen."""
-        base = f"{self.kind} {'-'.join(str(body) for body, _ in self._joined[:2])}"
+        base = f"{self.kind} {'-'.join([str(getattr(self, name)) for name, _ in _fields_of(type(self)).joins[:2]])}"
         return (f"{base} {number}" if number > 1 else base for number in count(1))
 
 
@@ -492,7 +487,7 @@ class DelayedFeedback(TwoEnded):
 
     @property
     def ends(self) -> dict[str, str | None]:
-        return {name: unit for name, unit in self._joined if name is not None}
+        return {name: unit for name, unit in super().ends.items() if name is not None}
 
     @property
     def measured_row(self) -> dict[str, float]:

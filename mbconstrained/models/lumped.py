@@ -455,12 +455,12 @@ def _rows(coefficients: Sequence[Mapping[str, Any]], names: Sequence[str], dtype
     """Coefficients by name as rows, an array or sparse; those of other names, as of the ground, are ignored."""
     place = {name: i for i, name in enumerate(names)}
     known = [(i, place[name], factor) for i, row in enumerate(coefficients) for name, factor in row.items() if name in place]
-    at, shape = tuple(zip(*known))[:2] or ((), ()), (len(coefficients), len(names))
-    values = np.array([factor for *_, factor in known], dtype)
+    i, j, values = zip(*known) if known else ((), (), ())
+    shape = (len(coefficients), len(names))
     if sparse:
-        return scipy.sparse.csr_array((values, at), shape=shape)
+        return scipy.sparse.csr_array((np.array(values, dtype), (i, j)), shape=shape)
     rows = np.zeros(shape, dtype)
-    rows[at] = values
+    rows[i, j] = values
     return rows
 
 

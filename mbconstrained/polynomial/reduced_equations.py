@@ -154,7 +154,17 @@ def decoupled_with_conserved(S: np.ndarray, given: Conserved, decoupled: Callabl
         rows, own = rows - X @ L, own + basis[:, :count] @ X
     if not (np.abs(own) * np.abs(L.T)).sum(axis=0).max() <= DECOUPLING_LIMIT:
         return _by_clusters(A, D, J, basis, inverse)
-    return _with_conserved(decoupled(A, rest), basis[:, :count], rows, own, given)
+    parts = decoupled(A, rest)
+    rate = max((float(np.abs(block).max()) for block in parts.blocks), default=0.0)
+    unit = 2.0 ** np.rint(np.log2(rate)) if rate else 1.0  # growth with a momentum is scaled by the others' unit of time
+    units = np.concatenate([[1.0, unit][: len(block)] for block in given.blocks])
+    return BlockDiagonal(
+        np.concatenate([basis[:, :count] @ parts.basis, own * units], axis=1),
+        np.concatenate([parts.inverse @ rows, L / units[:, None]]),
+        (*parts.blocks, *(unit * block for block in given.blocks)),
+        parts.coupling,
+        len(given.blocks),
+    )
 
 
 def _decoupled_with_slow(A, D, blocks, left: np.ndarray, basis, inverse, decoupled) -> BlockDiagonal:
@@ -165,7 +175,7 @@ def _decoupled_with_slow(A, D, blocks, left: np.ndarray, basis, inverse, decoupl
     """
     count, size, sizes = len(A), len(basis), [len(block) for block in blocks]
     own = balancing_units(kept(A))
-    rate = _power_of_two(np.abs(A * own / own[:, None]).max())
+    rate = 2.0 ** np.rint(np.log2(np.abs(A * own / own[:, None]).max()))
     units = np.concatenate([own, *(np.array([1.0, rate])[:width] for width in sizes)])
     basis, inverse = basis * units, inverse / units[:, None]  # the iterations end where their largest entries are right
     whole = np.block([[A, D], [left + np.hstack([np.zeros((size - count, count)), block_matrix(blocks)])]]) * units / units[:, None]
@@ -207,11 +217,6 @@ def _of_bodies(slow: np.ndarray, sizes: list[int], decoupled: Callable[[], Block
     return BlockDiagonal(np.kron(shapes, np.eye(2)), np.kron(rows, np.eye(2)), blocks, 1.0)
 
 
-def _power_of_two(size: float) -> float:
-    """The nearest power of two."""
-    return float(2.0 ** np.rint(np.log2(size)))
-
-
 def _fixed_point(following: Callable[[np.ndarray], np.ndarray], shape: tuple[int, ...]) -> np.ndarray:
     """x = following(x) by iteration from zero; not finite without convergence."""
     x = np.zeros(shape)
@@ -220,20 +225,6 @@ def _fixed_point(following: Callable[[np.ndarray], np.ndarray], shape: tuple[int
         if np.abs(x - before).max(initial=0.0) <= 4 * EPS * np.abs(x).max(initial=0.0):
             return x
     return np.full(shape, np.inf)
-
-
-def _with_conserved(parts: BlockDiagonal, basis, inverse, own, given: Conserved) -> BlockDiagonal:
-    """The conserved quantities after the others; growth with a momentum is scaled by the others' unit of time."""
-    rate = max((float(np.abs(block).max()) for block in parts.blocks), default=0.0)
-    unit = _power_of_two(rate) if rate else 1.0
-    units = np.concatenate([[1.0, unit][: len(block)] for block in given.blocks])
-    return BlockDiagonal(
-        np.concatenate([basis @ parts.basis, own * units], axis=1),
-        np.concatenate([parts.inverse @ inverse, given.rows / units[:, None]]),
-        (*parts.blocks, *(unit * block for block in given.blocks)),
-        parts.coupling,
-        len(given.blocks),
-    )
 
 
 def _by_clusters(A, D, J, basis, inverse) -> BlockDiagonal:
@@ -484,20 +475,17 @@ class Reduction:
     def spread(self) -> float:
         """The modulus ratio of the fastest and the slowest eigenvalue, without those of rows without stiffness, and of bodies."""
         known = self.is_small or self.conserved is not None
-        moduli = np.abs(zeros_of(self._own_blocks) if known else np.linalg.eigvals(full(self.generator)))
+        if not known:
+            moduli = np.abs(np.linalg.eigvals(full(self.generator)))
+        elif self.freed is not None and self.is_symmetric:  # without exact blocks of slow motions of softly supported bodies
+            sizes = [np.abs(zeros_of([block])).max() for block in self.decoupled.blocks]
+            moduli = np.abs(zeros_of([self.decoupled.blocks[i] for i in np.argsort(sizes)[len(self.freed.sums) :]]))
+        else:
+            moduli = np.abs(zeros_of(self.decoupled.blocks[: len(self.decoupled.blocks) - self.decoupled.exact_blocks]))
         if self.conserved is not None:
             moduli = moduli[moduli > 0]
         largest = moduli.max(initial=0.0)
         return float(largest / max(moduli.min(initial=largest), EPS * largest)) if largest else 1.0
-
-    @property
-    def _own_blocks(self) -> tuple[np.ndarray, ...]:
-        """The blocks without exact ones of slow motions of softly supported bodies."""
-        blocks = self.decoupled.blocks
-        if self.freed is not None and self.is_symmetric:
-            sizes = [np.abs(zeros_of([block])).max() for block in blocks]
-            return tuple(blocks[i] for i in np.argsort(sizes)[len(self.freed.sums) :])
-        return blocks[: len(blocks) - self.decoupled.exact_blocks]
 
     @cached_property
     def modal_residual(self) -> float:
