@@ -171,9 +171,9 @@ class EnergyParts(Displayed):
             real_array(part, "shape", shape=(self.size, None))
         if not (shapes != 0).any(axis=0).all():
             raise InputError("shape: found zeros only; a shape has at least one entry that is not zero")
-        return self.shares_of_checked(shapes, eigenvalues)
+        return self._shares_of(shapes, eigenvalues)
 
-    def shares_of_checked(self, shapes: np.ndarray, eigenvalues: Sequence[complex] | None) -> tuple[EnergyShares, ...]:
+    def _shares_of(self, shapes: np.ndarray, eigenvalues: Sequence[complex] | None) -> tuple[EnergyShares, ...]:
         """The energy shares of shapes that are known to be shapes, in any unit."""
         if shapes.dtype.kind == "c" and (imaginary := shapes.imag).any():
             shapes = shapes / np.maximum(np.abs(shapes.real).max(axis=0), np.abs(imaginary).max(axis=0))

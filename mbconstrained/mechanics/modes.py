@@ -254,7 +254,7 @@ class Modes(Presented, Sequence):
         parts, (places, values, shapes) = self.modes[0].energy_parts if self.modes else None, self._columns
         if parts is None or not len(places):
             return ((),) * len(self.modes)
-        each = iter(parts.shares_of_checked(shapes, values))
+        each = iter(parts._shares_of(shapes, values))
         result = [tuple(islice(each, mode.shapes.shape[1])) for mode in self.modes]
         return tuple(
             tuple(replace(one, kinetic=None) for one in own) if mode.kind == "offset" else own

@@ -10,7 +10,6 @@ import math
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import MISSING, Field, dataclass, field, fields, replace
 from fractions import Fraction
-from functools import cache
 from itertools import count
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, NamedTuple, Self, get_args, get_type_hints
 
@@ -74,14 +73,18 @@ class _Fields(NamedTuple):
     joins: tuple[tuple[str, str | None], ...]
 
 
-@cache
+_FIELDS: dict[type, _Fields] = {}
+
+
 def _fields_of(kind: type[Element]) -> _Fields:
-    hints = get_type_hints(kind, include_extras=True)
-    entries = {each.name: Entry(*get_args(hints[each.name])[:2], each) for each in fields(kind)}  # type: ignore[call-arg]
-    numbers = {name: entry.about for name, entry in entries.items() if entry.is_number}
-    ordered = dict(sorted(numbers.items(), key=lambda item: get_args(Range).index(item[1].range)))
-    joins = ((name, entry.about.unit) for name, entry in entries.items() if isinstance(entry.about, Joins))
-    return _Fields(entries, ordered, tuple((name, kind.axis if unit == "" else unit) for name, unit in joins))
+    if kind not in _FIELDS:
+        hints = get_type_hints(kind, include_extras=True)
+        entries = {each.name: Entry(*get_args(hints[each.name])[:2], each) for each in fields(kind)}  # type: ignore[call-arg]
+        numbers = {name: entry.about for name, entry in entries.items() if entry.is_number}
+        ordered = dict(sorted(numbers.items(), key=lambda item: get_args(Range).index(item[1].range)))
+        joins = ((name, entry.about.unit) for name, entry in entries.items() if isinstance(entry.about, Joins))
+        _FIELDS[kind] = _Fields(entries, ordered, tuple((name, kind.axis if unit == "" else unit) for name, unit in joins))
+    return _FIELDS[kind]
 
 
 def entries_of(kind: type[Element]) -> dict[str, Entry]:
