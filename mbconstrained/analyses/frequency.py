@@ -15,11 +15,11 @@ from ..frequency.frequency_response import FrequencyResponse, arrays_of, evaluat
 from ..frequency.plots import AXIS_FACTORS, continuous_phase, principal_phase
 from ..frequency.pole_residue_form import poles_on_axis
 from ..ground.checks import counted
-from ..ground.coordinate_units import force_unit, rate_unit
 from ..ground.display import TextTable
 from ..ground.errors import InputError
 from ..ground.notices import Notice, NoticeKind, distinct
 from ..ground.tolerances import LINE_ACCURACY
+from ..ground.units import force_unit, rate_unit
 from ..mechanics.channels import channels
 from ..mechanics.harmonic_response import FORCE_TRANSMISSIBILITY
 from ..page.animation import Deflections

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..ground.coordinate_units import rate_unit
 from ..ground.display import TextTable, number_text, with_unit
+from ..ground.units import rate_unit
 from ..mechanics.energy import EnergyShares
 from ..response.events import Event
 from ..response.response_notices import counts

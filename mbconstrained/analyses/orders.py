@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from ..frequency.frequency_response import FrequencyResponse
-from ..ground.coordinate_units import rate_unit
 from ..ground.display import TextTable, number_text, with_unit
 from ..ground.errors import InputError, named
 from ..ground.notices import Notice, NoticeKind, distinct
 from ..ground.quantities import quantity
 from ..ground.tolerances import EPS
+from ..ground.units import rate_unit
 from ..mechanics.channels import OutputNames, channels, chosen_by_name
 from ..mechanics.harmonic_sums import common_rate, largest_modulus, root_mean_square
 from ..mechanics.rotating import NEAR_POLE, NEAR_RESONANCE, CriticalSpeed

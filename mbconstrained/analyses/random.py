@@ -13,10 +13,10 @@ from ..exchange.trajectories import RATES
 from ..frequency.features import frequencies_by_poles
 from ..frequency.random.random_response import RandomResponse, octave_bands
 from ..frequency.random.spectra import KINDS, Spectrum
-from ..ground.coordinate_units import density_unit, force_unit, rate_unit
 from ..ground.display import TextTable
 from ..ground.errors import InputError
 from ..ground.notices import distinct
+from ..ground.units import density_unit, force_unit, rate_unit
 from ..mechanics.channels import channels
 from ..page.content import Curve, Plot, Scale, curve_with_gaps
 from ..scene.build.data_files import curve_of

@@ -12,10 +12,10 @@ import numpy as np
 
 from ..frequency.shock_spectrum import PARTS, ShockResponseSpectrum, shock_response_spectrum
 from ..ground.checks import nearest
-from ..ground.coordinate_units import rate_unit
 from ..ground.display import TextTable, number_text
 from ..ground.errors import InputError
 from ..ground.notices import Notice, NoticeKind, distinct
+from ..ground.units import rate_unit
 from ..mechanics.peaks import QUANTITIES, Peaks
 from ..page.content import Curve, Guide, Plot, Scale, power_label, raised
 from ..scene.build.data_files import record_in_si

@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from ..frequency.extrema import Extrema, extrema, root_mean_squares
-from ..ground.coordinate_units import derivative_name, force_unit, rate_unit
 from ..ground.display import TextTable, number_text, with_unit
 from ..ground.errors import InputError
 from ..ground.notices import Notice, NoticeKind, distinct
 from ..ground.tolerances import NOT_DRAWN, SAME_FREQUENCY
+from ..ground.units import derivative_name, force_unit, rate_unit
 from ..mechanics.channels import FORCES, MOTIONS, REACTION, Output, closed_form
 from ..mechanics.harmonic_response import harmonics_of
 from ..mechanics.harmonic_sums import common_rate

@@ -418,7 +418,7 @@ class TransferFunctionResponse(Response):
         Raises:
             InputError: the input is none of the I_gamma; add expressions for a sum of them.
         """
-        from ..exact.symbolic.inverse_transform import time_expression
+        from ..exact.symbolic.symbolic_response import time_expression
 
         fraction = self.fraction.written_reduced
         return time_expression(fraction.numerator, fraction.denominator, self._gamma("an expression is made for"), t)

@@ -12,7 +12,7 @@ from sympy.functions.elementary.hyperbolic import HyperbolicFunction
 from sympy.functions.elementary.trigonometric import TrigonometricFunction
 
 from ..ground.errors import InputError
-from .symbolic.inverse_transform import delta
+from .symbolic.symbolic_response import delta
 
 #: Digits that values are computed with where a decision or an output needs numbers.
 DIGITS = 40

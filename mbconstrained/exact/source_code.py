@@ -16,7 +16,7 @@ from sympy.printing.numpy import NumPyPrinter
 from ..ground.errors import InputError
 from .closed_form import DIGITS, ClosedForm, FormulaParameter, Layout, decimal, terms_of
 from .formula_printers import TextPrinter, ascii_letters
-from .symbolic.inverse_transform import divisors_of
+from .symbolic.symbolic_response import divisors_of
 
 # The form that is real with the default values: cos(w t) with w^2 < 0 is written as cosh.
 #

@@ -13,9 +13,8 @@ from ..ground.errors import ContradictoryConstraints, InputError
 from .closed_form import ClosedForm, FormulaParameter
 from .formula_printers import TextPrinter
 from .symbolic.fields import exact_expression
-from .symbolic.inverse_transform import delta, initial_symbols
 from .symbolic.symbolic_matrix import SymbolicPolynomialMatrix
-from .symbolic.symbolic_response import SymbolicResponse
+from .symbolic.symbolic_response import SymbolicResponse, delta, initial_symbols
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,9 +11,9 @@ from typing import Any, ClassVar
 import numpy as np
 
 from ..ground.checks import nearest, optional_package, real_array
-from ..ground.coordinate_units import DERIVATIVES, derivative_name, rate_unit
 from ..ground.errors import InputError
 from ..ground.files import Replacements
+from ..ground.units import DERIVATIVES, derivative_name, rate_unit
 from .universal import UNIVERSAL, Geometry, write_functions
 
 

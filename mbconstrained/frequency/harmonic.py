@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from contextlib import suppress
 from copy import copy
@@ -17,7 +18,7 @@ from ..ground.notices import Notice
 from ..ground.tolerances import EPS, LARGEST_POWER, LINE_ACCURACY, LINE_ROUNDING, TRUST_LIMIT
 from ..linalg import lapack
 from ..linalg.elimination import as_slice
-from ..linalg.scaling import joint_scaling
+from ..linalg.scaling import Scaling, joint_scaling
 from ..polynomial.delayed_terms import DelayedTerm
 from ..polynomial.polynomial_matrix import PolynomialMatrix
 from ..signals.bohl import consecutive
@@ -30,10 +31,12 @@ from .pole_residue_form import ModalSum, PoleResidueForm
 # is seen in the residual; those lines get an order of their own, in the end LAPACK's pivoting. Lines whose estimate is still too
 # large are refined with residuals in extended precision (Wilkinson 1963; Skeel 1980).
 # The estimate of entry (p, j) is z_p^T (|A X - B| + u (|A_0| + w |A_1| + ...) |X|)_j with C A^-1 = Z^T and u some rounding errors: the
-# first-order bound of the errors by residuals and by relative errors of every entry of every coefficient.
+# first-order bound of the errors by residuals and by relative errors of every entry of every coefficient. Where nothing is lost the
+# factors A = L D U bound it, |A X - B| <= u |L| |D| |U| |X|, and the coefficients of an entry whose real and imaginary part have one
+# term each are no larger than the entry.
 
 #: Number of complex entries of factors and vectors computed at once; and the least number of lines.
-CHUNK, LEAST = 1 << 21, 64
+CHUNK, LEAST = 3 << 20, 64
 
 #: A threshold pivot is at least this part of the largest of its column.
 THRESHOLD = 0.1
@@ -88,6 +91,10 @@ class StructuredSolver:
             largest = np.pad(largest, ((0, max(0, count - len(largest))), (0, 0), (0, 0)))
             largest[:count] += np.abs(term.coefficients)
         scaling = joint_scaling(largest)
+        self.is_symmetric = all((matrix == matrix.T).all() for matrix in coefficients)
+        if self.is_symmetric:
+            both = np.exp2(np.rint((np.log2(scaling.rows) + np.log2(scaling.columns)) / 2))
+            scaling = Scaling(scaling.time, both, both)
         self.time, self.delays = scaling.time, self.delays * scaling.time
         powers = scaling.time ** self.powers[:, None, None]
         factors = scaling.rows[:, None] * scaling.columns * powers
@@ -98,11 +105,15 @@ class StructuredSolver:
         self.outputs = outputs * scaling.columns
         self.columns = scaling.columns
         self._orders: dict[float, _Pattern | None] = {}
-        self._nonzero = self.sizes.any(axis=0).nonzero()
-        self._together, self._ratio = None, np.ones((self.size, 1, 1))
-        if all((matrix == matrix.T).all() for matrix in coefficients):  # S = D_r A D_c, and S^-T = D S^-1 D^-1 with D = D_c D_r^-1
-            self._ratio = (scaling.columns / scaling.rows)[:, None, None]
-            both = np.hstack([self.inputs, self.outputs.T / self._ratio[..., 0]])
+        self.entries = self.sizes.any(axis=0).nonzero()
+        own = self.coefficients[:, *self.entries]
+        parts, turns = np.array([own.real, own.imag]) != 0, (np.arange(2)[:, None] + self.powers) % 2
+        several = (parts[turns == 0].sum(axis=0) > 1) | (parts[turns == 1].sum(axis=0) > 1) | self.delays.any()
+        several |= (self.sizes[:, *self.entries] > np.abs(own)).any(axis=0)
+        self.sums = tuple(places[several] for places in self.entries)  # whose real or imaginary part is a sum, which may cancel
+        self._together = None
+        if self.is_symmetric:
+            both = np.hstack([self.inputs, self.outputs.T])
             _, first, where = np.unique(both, axis=1, return_index=True, return_inverse=True)
             order = np.argsort(first)  # as they come: most often parts are slices, which need no copies
             self._together, where = both[:, first[order]], np.argsort(order)[where.reshape(-1)]
@@ -139,20 +150,22 @@ class StructuredSolver:
 
     def _pass(self, values, errors, solutions, lines, nu, factors, accuracy, is_first=False) -> None:
         """Solve some lines in parts and keep improved values; without an order of elimination lines are pivoted and refined."""
-        entries = self.size**2 if factors is None else len(factors.rows) + 4 * self.size * self.inputs.shape[1]
-        count = max(LEAST, CHUNK // max(entries, 1))
+        columns = self.inputs.shape[1] + len(self.outputs) if self._together is None else self._together.shape[1]
+        entries = self.size**2 if factors is None else 2 * len(factors.rows) + 3 * self.size * columns
+        count = min(len(lines), max(LEAST, CHUNK // max(entries, 1)))
+        memory = _Memory(count * entries if factors else 0)
         for part in np.array_split(lines, -(-len(lines) // count)) if len(lines) else ():
             lost: list[str] = []
             with np.errstate(all="ignore", under="call", call=lambda kind, _, kinds=lost: kinds.append(kind)):
                 own = nu[part].astype(float)
-                solver = _Full(self, own) if factors is None else _Eliminated(self, own, factors)
+                solver = _Full(self, own) if factors is None else _Eliminated(self, own, factors, memory)
                 solutions_of_both, right, left = self._both(solver)
-                X, Z, sizes = solutions_of_both[:, right], solutions_of_both[:, left], np.abs(solutions_of_both)
-                H, error = _contracted(self.outputs, X), _bilinear(sizes[:, left], self._ratio * solver.bound(X, sizes[:, right]))
+                X, Z = solutions_of_both[:, right], solutions_of_both[:, left]
+                sizes = np.abs(solutions_of_both, out=memory.array("sizes", solutions_of_both.shape))
+                H, error = _contracted(self.outputs, X), solver.bound(X, sizes, right, left)
                 loose = ~(error <= accuracy * np.abs(H)).all(axis=(0, 1))
                 if factors is not None and loose.any():
-                    measured = self._ratio * solver.at(loose).terms(X[..., loose])
-                    error[..., loose] = _bilinear(sizes[:, left][..., loose], measured)
+                    error[..., loose] = _bilinear(sizes[:, left][..., loose], solver.at(loose).terms(X[..., loose]))
                 limit = TRUST_LIMIT if factors is None and self.size > REFINED else accuracy
                 bad = loose & ~(error <= limit * np.abs(H)).all(axis=(0, 1)) & np.isfinite(error).all(axis=(0, 1))
                 if bad.any():
@@ -171,7 +184,7 @@ class StructuredSolver:
                 solutions[..., own] = np.where(np.isfinite(X), X, 0)
 
     def _both(self, solver: _Eliminated | _Full) -> tuple[np.ndarray, slice | np.ndarray, slice | np.ndarray]:
-        """A^-1 B and Z with C A^-1 = (ratio Z)^T among columns, shape (r, any, F), and the places of both."""
+        """A^-1 B and Z with C A^-1 = Z^T among columns, shape (r, any, F), and the places of both."""
         if self._together is not None:
             right, left = self._where
             return solver.solved(self._together), right, left
@@ -193,29 +206,21 @@ class StructuredSolver:
 
     # Errors.
 
-    def terms(self, nu, X, sizes) -> tuple[np.ndarray, np.ndarray]:
-        """A X - B in the precision of the lines and of X, and its modulus + |A| |X| with these sizes of the coefficients."""
-        A = _sums(self.coefficients[:, *self._nonzero], self.functions(nu))
-        S, size = _sums(sizes[:, *self._nonzero], self.function_sizes(nu)), np.abs(X).astype(float, copy=False)
-        residual, total = np.zeros(X.shape, dtype=A.dtype), np.zeros(X.shape)
-        residual -= self.inputs[..., None]
-        product, real_product = np.empty_like(residual[:1]), np.empty_like(total[:1])
-        for own, own_size, i, j in zip(A, S, *(at.tolist() for at in self._nonzero)):
-            residual[i] += np.multiply(own, X[j], out=product[0])
-            total[i] += np.multiply(own_size, size[j], out=real_product[0])
-        total += np.abs(residual)
-        return residual, total
+    def residual(self, nu, X) -> np.ndarray:
+        """A X - B in the precision of the lines and of X."""
+        return _product(self.coefficients, self.entries, self.functions(nu), X, _Memory()) - self.inputs[..., None]
 
     def _refined(self, solver, nu, X, Z):
         """Steps of refinement with residuals in extended precision, and the error after them."""
         unit, X = float(np.finfo(np.longdouble).eps), X.astype(np.clongdouble)
-        sizes = LINE_ROUNDING * (unit * self.sizes + EPS * (self.sizes - np.abs(self.coefficients)))
-        residual, _ = self.terms(nu, X, sizes)
-        error = np.inf
+        rounding = LINE_ROUNDING * (unit * self.sizes + EPS * (self.sizes - np.abs(self.coefficients)))
+        functions, sizes, residual, error = self.function_sizes(nu), np.abs(Z), self.residual(nu, X), np.inf
         for _ in range(STEPS):
             X = X - solver.solved(residual.astype(complex))
-            residual, terms = self.terms(nu, X, sizes)
-            H, before, error = _contracted(self.outputs, X), error, _bilinear(np.abs(Z), self._ratio * terms)
+            residual = self.residual(nu, X)
+            terms = np.abs(residual).astype(float)
+            terms += _product(rounding, self.entries, functions, np.abs(X).astype(float), _Memory())
+            H, before, error = _contracted(self.outputs, X), error, _bilinear(sizes, terms)
             if (error > before / 2).all() or (error <= EPS * np.abs(H)).all():
                 break
         H = H.astype(complex)
@@ -243,7 +248,8 @@ class StructuredSolver:
         else:
             return None
         rows, columns = np.argsort(lu.perm_r), np.argsort(lu.perm_c)
-        result = _Pattern.of(pattern[np.ix_(rows, columns)], rows, columns)
+        is_symmetric = self.is_symmetric and bool((rows == columns).all())
+        result = _Pattern.of(pattern[np.ix_(rows, columns)], rows, columns, is_symmetric)
         return None if result.operations > FULL * r**3 / 3 + 8 * r else result
 
     def _at(self, nu: float) -> np.ndarray:
@@ -251,11 +257,40 @@ class StructuredSolver:
         return _matrices(self.coefficients, self.functions(np.array([nu])))[0]
 
 
-def _sums(coefficients, powers) -> np.ndarray:
+def _sums(coefficients, powers, memory: _Memory) -> np.ndarray:
     """Sums of K functions, shape (K, F), with coefficients of shape (K, E): shape (E, F)."""
-    if np.iscomplexobj(powers) and not np.iscomplexobj(coefficients):
-        return (coefficients.T @ powers.view(powers.real.dtype)).view(powers.dtype)
-    return coefficients.T @ powers
+    result = memory.array(powers.dtype.char, (coefficients.shape[1], powers.shape[1]), powers.dtype)
+    is_pair = np.iscomplexobj(powers) and not np.iscomplexobj(coefficients)
+    own, out = (one.view(one.real.dtype) if is_pair else one for one in (powers, result))
+    np.matmul(coefficients.T, own, out=out)
+    return result
+
+
+class _Memory:
+    """Arrays by name that are used again for further lines, in one block: new pages of memory take longer than the work in them."""
+
+    def __init__(self, size: int = 0):
+        """A block of so many complex numbers; what exceeds it is added."""
+        self._free, self._arrays = np.empty(size, dtype=complex), {}
+
+    def array(self, name: str, shape: tuple[int, ...], dtype=float) -> np.ndarray:
+        """An array of any content."""
+        size = math.prod(shape)
+        if name not in self._arrays or len(self._arrays[name]) < size:
+            count = -(-size * np.dtype(dtype).itemsize // 16)
+            block = self._free if count <= len(self._free) else np.empty(count, dtype=complex)
+            self._arrays[name], self._free = block[:count].view(dtype), self._free[count:]
+        return self._arrays[name][:size].reshape(shape)
+
+
+def _product(coefficients, entries, functions, X, memory: _Memory) -> np.ndarray:
+    """(A_0 f_0 + A_1 f_1 + ...) X of some entries of coefficients, with functions of shape (K, F) and X of shape (r, m, F)."""
+    A = _sums(coefficients[:, *entries], functions, memory)
+    total, product = memory.array("product", X.shape, A.dtype), np.empty(X.shape[1:], A.dtype)
+    total[:] = 0.0
+    for own, i, j in zip(A, *(at.tolist() for at in entries)):
+        total[i] += np.multiply(own, X[j], out=product)
+    return total
 
 
 def _contracted(outputs, X) -> np.ndarray:
@@ -280,125 +315,133 @@ def _bilinear(sizes, terms) -> np.ndarray:
 
 @dataclass(frozen=True, eq=False)
 class _Pattern:
-    """The filled pattern of the permuted matrix."""
+    """The filled pattern of the permuted matrix, and the factors L D U with 1 on the diagonals of L and U; of a symmetric one U = L^T."""
 
     row_order: np.ndarray  # the permutations, shape (r,)
     column_order: np.ndarray
     rows: np.ndarray  # of the entries of the factors, in the permuted matrix
     columns: np.ndarray
-    lower: list[list[int]]  # for each pivot the rows below it
-    upper: list[list[int]]  # and the columns right of it
-    place: dict[tuple[int, int], int]  # of each entry among those of the factors
+    lower: list[list[tuple[int, int]]]  # for each pivot the rows below it, with the places of their entries
+    upper: list[list[tuple[int, int]]]  # and the columns right of it
+    changed: list[
+        list[list[tuple[int, int]]]
+    ]  # for each row below: the entries that the pivot changes, and those that it multiplies
+    is_symmetric: bool
     operations: int  # of the elimination
 
     @classmethod
-    def of(cls, pattern, row_order, column_order) -> _Pattern:
-        r = len(pattern)
-        by_row = [set(np.flatnonzero(line).tolist()) for line in pattern]
-        by_column = [set(np.flatnonzero(line).tolist()) for line in pattern.T]
-        lower, upper, operations = [], [], 0
+    def of(cls, pattern, row_order, column_order, is_symmetric: bool) -> _Pattern:
+        r, below, right, operations = len(pattern), [], [], 0
+        by_row, by_column = ([set() for _ in range(r)] for _ in range(2))
+        for i, j in np.argwhere(pattern).tolist():
+            by_row[i].add(j)
+            by_column[j].add(i)
         for k in range(r):
-            below = sorted(i for i in by_column[k] if i > k)
-            right = sorted(j for j in by_row[k] if j > k)
-            for i in below:
-                by_row[i].update(right)
-            for j in right:
-                by_column[j].update(below)
-            lower.append(below)
-            upper.append(right)
-            operations += len(below) * (1 + len(right))
+            below.append(sorted(i for i in by_column[k] if i > k))
+            right.append(sorted(j for j in by_row[k] if j > k))
+            for i in below[k]:
+                by_row[i].update(right[k])
+            for j in right[k]:
+                by_column[j].update(below[k])
+            operations += len(below[k]) * (1 + len(right[k]))
         entries = [(k, k) for k in range(r)]
-        entries += [(i, k) for k, below in enumerate(lower) for i in below]
-        entries += [(k, j) for k, right in enumerate(upper) for j in right]
-        rows, columns = np.array(entries).T if entries else np.zeros((2, 0), dtype=int)
-        return cls(row_order, column_order, rows, columns, lower, upper, {e: n for n, e in enumerate(entries)}, operations)
-
-    @cached_property
-    def steps(self):
-        """For each pivot: the positions of its column, of its row, and of the entries that they change."""
-        place, result = self.place, []
-        for k, (below, right) in enumerate(zip(self.lower, self.upper)):
-            column, row = [place[i, k] for i in below], [place[k, j] for j in right]
-            changed = [[place[i, j] for j in right] for i in below]
-            result.append((k, below, right, column, row, changed))
-        return result
+        entries += [(k, j) for k, own in enumerate(right) for j in own]
+        entries += [] if is_symmetric else [(i, k) for k, own in enumerate(below) for i in own]
+        place = {entry: n for n, entry in enumerate(entries)}
+        if is_symmetric:
+            place |= {(j, k): n for (k, j), n in place.items()}
+        lower = [[(i, place[i, k]) for i in own] for k, own in enumerate(below)]
+        upper = [[(j, place[k, j]) for j in own] for k, own in enumerate(right)]
+        changed = [
+            [[(place[i, j], other) for j, other in upper[k] if j >= i or not is_symmetric] for i in own]
+            for k, own in enumerate(below)
+        ]
+        rows, columns = np.array(entries, dtype=int).reshape(-1, 2).T
+        return cls(row_order, column_order, rows, columns, lower, upper, changed, is_symmetric, operations)
 
 
 class _Eliminated:
     """The factors at some lines; rows of the permuted matrix are equations, its columns unknowns."""
 
-    def __init__(self, solver: StructuredSolver, nu, pattern: _Pattern):
-        self.solver, self.nu, self.pattern = solver, nu, pattern
+    def __init__(self, solver: StructuredSolver, nu, pattern: _Pattern, memory: _Memory):
+        self.solver, self.nu, self.pattern, self.memory = solver, nu, pattern, memory
         places = pattern.row_order[pattern.rows], pattern.column_order[pattern.columns]
-        self.W = W = _sums(solver.coefficients[:, *places], solver.functions(nu))
-        self.inverse = np.empty((solver.size, len(nu)), dtype=complex)
-        for k, _, _, column, row, changed in pattern.steps:
-            np.divide(1.0, W[k], out=self.inverse[k])
-            for at, places in zip(column, changed):
-                factor = W[at]
-                factor *= self.inverse[k]
-                for one, other in zip(places, row):
-                    W[one] -= factor * W[other]
+        self.W = W = _sums(solver.coefficients[:, *places], solver.functions(nu), memory)
+        factor, product = np.empty_like(W, shape=(2, len(nu)))
+        for inverse, below, right, changed in zip(W, pattern.lower, pattern.upper, pattern.changed):
+            np.reciprocal(inverse, out=inverse)
+            for (_, at), entries in zip(below, changed):
+                np.multiply(W[at], inverse, out=factor)
+                for one, other in entries:
+                    W[one] -= np.multiply(factor, W[other], out=product)
+                W[at] = factor
+            for _, at in () if pattern.is_symmetric else right:
+                W[at] *= inverse
 
     def at(self, lines: np.ndarray) -> _Eliminated:
         """The factors at some of the lines."""
         part = copy(self)
-        part.W, part.inverse, part.nu = self.W[:, lines], self.inverse[:, lines], self.nu[lines]
+        part.W, part.nu, part.memory = self.W[:, lines], self.nu[lines], _Memory()
         return part
 
     def solved(self, right, transposed: bool = False) -> np.ndarray:
         """A^-1 right or A^-T right, of right with shape (r, m) or (r, m, F)."""
         pattern, W = self.pattern, self.W
-        before, after = pattern.row_order, pattern.column_order
+        before, after, lower, upper = pattern.row_order, pattern.column_order, pattern.lower, pattern.upper
         if transposed:
-            before, after = after, before
-        x, place = np.empty((*right.shape[:2], W.shape[1]), dtype=complex), after.tolist()
+            before, after, lower, upper = after, before, upper, lower
+        x, place = self.memory.array(f"x{transposed}", (*right.shape[:2], W.shape[1]), complex), after.tolist()
         x[after] = right[before] if right.ndim == 3 else right[before, :, None]
         filled = right[before].any(axis=tuple(range(1, right.ndim))).tolist()
-        for k, below, beyond, column, row, _ in pattern.steps:
+        product = np.empty_like(x[:1])[0]
+        for k, below in enumerate(lower):
             if filled[k]:
                 own = x[place[k]]
-                if transposed:
-                    own *= self.inverse[k]
-                for i, at in zip(beyond, row) if transposed else zip(below, column):
-                    x[place[i]] -= W[at] * own
+                for i, at in below:
+                    x[place[i]] -= np.multiply(W[at], own, out=product)
                     filled[i] = True
-        for k, below, beyond, column, row, _ in reversed(pattern.steps):
+                own *= W[k]
+        for k, beyond in reversed(list(enumerate(upper))):
             own = x[place[k]]
-            for i, at in zip(below, column) if transposed else zip(beyond, row):
-                own -= W[at] * x[place[i]]
-            if not transposed:
-                own *= self.inverse[k]
+            for j, at in beyond:
+                own -= np.multiply(W[at], x[place[j]], out=product)
         return x
 
     def terms(self, X) -> np.ndarray:
         """|A X - B| + u |A| |X|, shape (r, m, F)."""
-        return self.solver.terms(self.nu, X, LINE_ROUNDING * EPS * self.solver.sizes)[1]
+        solver = self.solver
+        rounding = _product(solver.sizes, solver.entries, solver.function_sizes(self.nu), np.abs(X), _Memory())
+        return np.abs(solver.residual(self.nu, X)) + LINE_ROUNDING * EPS * rounding
 
-    def bound(self, X, sizes) -> np.ndarray:
-        """A bound of ``terms`` by the factors, from |X|."""
-        solver, W, steps = self.solver, np.abs(self.W), self.pattern.steps
-        rows, columns = self.pattern.row_order[self.pattern.rows], self.pattern.column_order[self.pattern.columns]
-        S, part = _sums(solver.sizes[:, rows, columns], solver.function_sizes(self.nu)), np.empty(W.shape[1])
-        for _, _, _, column, row, changed in steps:
-            for at, places in zip(column, changed):
-                for one, other in zip(places, row):
-                    S[one] += np.multiply(W[at], W[other], out=part)
-        for k, _, _, column, *_ in steps:
-            W[column] *= W[k]
-        S += W  # |A| + |L| |U|
-        total, product = np.zeros(X.shape), np.empty(X.shape[1:])
-        for own, i, j in zip(S, rows.tolist(), columns.tolist()):
-            total[i] += np.multiply(own, sizes[j], out=product)
-        total *= LINE_ROUNDING * EPS
-        return total
+    def bound(self, X, sizes, right, left) -> np.ndarray:
+        """A bound of |Z|^T ``terms`` by the factors: u (|L^T| |Z|)^T |D| |U| |X| and the same of A, shape (p, m, F)."""
+        solver, pattern, memory = self.solver, self.pattern, self.memory
+        W = np.abs(self.W, out=memory.array("W size", self.W.shape))
+        roots = np.reciprocal(W[: solver.size], out=W[: solver.size])
+        np.sqrt(roots, out=roots)
+        Z = self._spread(W, sizes, pattern.row_order, pattern.lower)
+        own = Z if pattern.is_symmetric else self._spread(W, sizes, pattern.column_order, pattern.upper)
+        rounding = _product(solver.sizes, solver.sums, solver.function_sizes(self.nu), sizes[:, right], memory)
+        return LINE_ROUNDING * EPS * (2 * _bilinear(Z[:, left], own[:, right]) + _bilinear(sizes[:, left], rounding))
+
+    def _spread(self, W, sizes, order, upper) -> np.ndarray:
+        """|D|^(1/2) |U| sizes with the moduli of the entries."""
+        result = np.take(
+            sizes, order, axis=0, out=self.memory.array(f"spread {upper is self.pattern.lower}", sizes.shape), mode="clip"
+        )
+        product = np.empty(sizes.shape[1:])
+        for own, beyond in zip(result, upper):
+            for j, at in beyond:
+                own += np.multiply(W[at], result[j], out=product)
+        result *= W[: len(result), None]
+        return result
 
 
 class _Full:
     """Factors by LAPACK with partial pivoting, line by line."""
 
     def __init__(self, solver: StructuredSolver, nu):
-        self.solver, self.nu = solver, nu
+        self.solver, self.nu, self.memory = solver, nu, _Memory()
         self.matrices = _matrices(solver.coefficients, solver.functions(nu))
         self.factors = [_lu(matrix) for matrix in self.matrices]
 
@@ -423,14 +466,14 @@ class _Full:
         sizes = LINE_ROUNDING * EPS * _matrices(self.solver.sizes, self.solver.function_sizes(self.nu))
         return np.moveaxis(np.abs(self.matrices @ X - self.solver.inputs) + sizes @ np.abs(X), 0, 2)
 
-    def bound(self, X, sizes) -> np.ndarray:
-        """``terms`` themselves, which are no more than a product of matrices."""
-        return self.terms(X)
+    def bound(self, X, sizes, right, left) -> np.ndarray:
+        """|Z|^T ``terms``, which are no more than a product of matrices."""
+        return _bilinear(sizes[:, left], self.terms(X))
 
 
 def _matrices(coefficients, powers) -> np.ndarray:
     """The matrix at F points, shape (F, r, r)."""
-    flat = _sums(coefficients.reshape(len(coefficients), -1), powers)
+    flat = _sums(coefficients.reshape(len(coefficients), -1), powers, _Memory())
     return np.ascontiguousarray(flat.T).reshape(powers.shape[1], *coefficients.shape[1:])
 
 

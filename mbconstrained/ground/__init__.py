@@ -1,5 +1,5 @@
-"""The base of all rooms: errors, notices, validation, tolerances, files, units of coordinates, threads.
+"""The base of all rooms: errors, notices, validation, tolerances, files, units, threads.
 
-Imports nothing of the package. Read ``errors``, ``notices``, ``checks`` and ``tolerances``; ``coordinate_units``, ``files`` and
-``threads`` serve single purposes.
+Imports nothing of the package. Read ``errors``, ``notices``, ``checks`` and ``tolerances``; ``units``, ``files`` and ``threads``
+serve single purposes.
 """

@@ -31,7 +31,7 @@ from .motion import FunctionSum, Motion
 from .system import MechanicalSystem
 
 if TYPE_CHECKING:
-    from ..exact.enclosure.exact_boundary import ExactBoundary
+    from ..exact.enclosure.exact_response import ExactBoundary
 
 #: The words for derivatives of x, in which values are given.
 ORDERS = ("displacement", "velocity", "acceleration")
@@ -101,7 +101,7 @@ class BoundaryResponse(Response):
     @cached_property
     def exact(self) -> ExactBoundary:
         """The exact solution for the same data and boundary values taken as exact numbers; as many of these as finite zeros."""
-        from ..exact.enclosure.exact_boundary import ExactValue, with_boundary_values
+        from ..exact.enclosure.exact_response import ExactValue, with_boundary_values
 
         values = [ExactValue(*one[:4]) for one in self.boundary.conditions]
         return with_boundary_values(super().exact, values, self.boundary.duration)

@@ -17,8 +17,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 import numpy as np
 
 from ..ground.checks import nearest
-from ..ground.coordinate_units import GROUND, derivative_name, force_unit, rate_unit
 from ..ground.errors import InputError
+from ..ground.units import GROUND, derivative_name, force_unit, rate_unit
 from .constraints import ConstraintRow
 from .element_matrix import ElementMatrix
 from .equations import ElementForce, EquationsOfMotion, Side

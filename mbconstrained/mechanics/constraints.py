@@ -12,10 +12,10 @@ import scipy
 
 from ..ground.by_name import Public, answering
 from ..ground.checks import is_sparse, names_of, nearest, real_array
-from ..ground.coordinate_units import check_unit, rate_unit
 from ..ground.errors import ContradictoryConstraints, InputError
 from ..ground.notices import Notice, NoticeKind
 from ..ground.tolerances import CLEAR_KEPT, DOUBTFUL_SUM, EPS, NOISE_SAFETY, NULL_SPACE_LIMIT, noise_of
+from ..ground.units import check_unit, rate_unit
 from ..linalg.arrays import full, others
 from ..linalg.division import solution
 from ..linalg.rank import Noisy, reduce_in_order

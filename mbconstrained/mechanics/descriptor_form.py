@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ..ground.coordinate_units import force_unit, rate_unit
+from ..ground.units import force_unit, rate_unit
 from .channels import Channel, channels, chosen_by_name, coordinate_channels, row_channels
 from .equations import EquationsOfMotion
 

@@ -13,12 +13,12 @@ import numpy as np
 
 from ..ground.by_name import answering
 from ..ground.checks import constant_zeros, counted, is_sparse, names_of, nearest, real_array, real_number
-from ..ground.coordinate_units import coordinate_units
 from ..ground.display import Pictured, TextTable, notice_table
 from ..ground.errors import InputError
 from ..ground.notices import Notice, NoticeKind
 from ..ground.threads import short_work
 from ..ground.tolerances import noise_of
+from ..ground.units import coordinate_units
 from ..polynomial.delayed_terms import DelayedTerm, delayed_terms
 from ..polynomial.polynomial_matrix import PolynomialMatrix
 from ..signals.inputs import ImpulsiveSmooth, named_rows, step, zero

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 def exact_motion(system: EquationsOfMotion, initial: np.ndarray, applied: ImpulsiveSmooth) -> ExactResponse:
     """The exact motion x, n rows, followed by the rows of its k multipliers."""
-    from ..exact.enclosure.exact_response import ExactResponse
+    from ..exact.enclosure.exact_response import ExactDelayedResponse, ExactResponse
     from ..exact.enclosure.exact_sources import sources_of
     from ..exact.rational import RationalMatrix, regular
 
@@ -40,13 +40,11 @@ def exact_motion(system: EquationsOfMotion, initial: np.ndarray, applied: Impuls
     coordinates = [*system.names, *(f"force of {row.name}" for row in system.rows)]
     exact, rows = PolynomialMatrix(system.given).exact_coefficients, system.constraint_matrix.astype(object)
     matrices = [matrix.tolist() for matrix in with_multipliers(exact, rows, [row.order for row in system.rows])]
+    data = regular(RationalMatrix(matrices), equations, coordinates), start, sources_of(force), range(n)
     if system.delayed:
-        from ..exact.enclosure.delayed_response import ExactDelayedResponse
-
         terms = tuple(replace(term, coefficients=np.pad(term.coefficients, ((0, 0), (0, k), (0, k)))) for term in system.delayed)
-        matrix = regular(RationalMatrix(matrices), equations, coordinates)
-        return ExactDelayedResponse(matrix, start, sources_of(force), range(n), terms)
-    return ExactResponse(regular(RationalMatrix(matrices), equations, coordinates), start, sources_of(force), range(n))
+        return ExactDelayedResponse(*data, terms)
+    return ExactResponse(*data)
 
 
 class FormRounding(Rounding):

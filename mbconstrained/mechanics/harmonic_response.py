@@ -19,11 +19,11 @@ import numpy as np
 from ..frequency.frequency_response import FrequencyResponse, evaluated
 from ..frequency.harmonic import Harmonic
 from ..ground.checks import check_known, counted, nearest, real_array, real_number, whole_number
-from ..ground.coordinate_units import force_unit, rate_unit, ratio_unit
 from ..ground.display import Displayed, TextTable, number_text
 from ..ground.errors import InputError
 from ..ground.named_arrays import named_array
 from ..ground.tolerances import EPS, SAME_FREQUENCY
+from ..ground.units import force_unit, rate_unit, ratio_unit
 from ..linalg.arrays import full
 from ..polynomial.delayed_terms import DelayedTerm
 from ..polynomial.polynomial_matrix import PolynomialMatrix
@@ -501,14 +501,13 @@ def steady_state(
 def _periodic_motion(system: EquationsOfMotion, force: ImpulsiveSmooth | None, period: float) -> Motion | None:
     """The motion whose values just before the end of a period equal those at its start; None where it is not determined."""
     n = system.size
-    forced = system.solve(force=force)
-    end = np.array([forced.displacement(period), forced.velocity(period)])
+    forced, starts = system.solve(force=force), np.eye(2 * n + 1, 2 * n, -1)  # from rest, and from each unit value
+    several = system.solve(starts[:, :n], starts[:, n:], force=force)
+    ends = np.hstack([several.displacement(period), several.velocity(period)])
+    end, transition = ends[0].reshape(2, n), ends[1:] - ends[0]
     before = end - sum(
         (one.jump[:2] for one in forced.events if abs(one.time - period) <= SAME_FREQUENCY * period), np.zeros((2, n))
     )
-    starts = np.concatenate([np.eye(n), np.zeros((n, n))]), np.concatenate([np.zeros((n, n)), np.eye(n)])
-    several = system.solve(*starts, force=force)
-    transition = np.hstack([several.displacement(period), several.velocity(period)]) - end.reshape(-1)
     sizes = np.repeat([1.0, 2 * np.pi / period], n)  # of displacements and velocities
     difference = (np.eye(2 * n) - transition.T) * sizes / sizes[:, None]
     if not np.linalg.cond(difference) < EPS**-0.5:  # a free body may be anywhere

@@ -17,7 +17,6 @@ from ..exchange.trajectories import write_arrays
 from ..exchange.universal import UNIVERSAL, Geometry, write_modes
 from ..ground.by_name import Public
 from ..ground.checks import counted, item_of, whole_number
-from ..ground.coordinate_units import coordinate_units
 from ..ground.display import Presented, TextTable, notice_table
 from ..ground.errors import InputError
 from ..ground.files import replacing
@@ -33,6 +32,7 @@ from ..ground.tolerances import (
     noise_of,
     rounding_radius,
 )
+from ..ground.units import coordinate_units
 from ..linalg import lapack
 from ..linalg.arrays import block_diag, full, kept, product
 from ..linalg.blocks import block_slices

@@ -12,11 +12,11 @@ import numpy as np
 
 from ..exchange.trajectories import RATES, Curves
 from ..ground.checks import counted, nearest, real_array, whole_number
-from ..ground.coordinate_units import force_unit, impulse_unit, rate_unit
 from ..ground.errors import InputError, within_float64
 from ..ground.named_arrays import named_array
 from ..ground.notices import Notice, NoticeKind
 from ..ground.tolerances import EPS, noise_of
+from ..ground.units import force_unit, impulse_unit, rate_unit
 from ..linalg.rank import Noisy
 from ..response.choose import Request
 from ..response.estimate import error_estimate
@@ -415,7 +415,18 @@ class Motion(SystemMotion, Response):
             function = x.function if own is not None else self._reaction_of(x)
             return function.derivative(total) if total else function
 
-        return error_estimate(self, times, view)
+        estimate = error_estimate(self, times, view)
+        return estimate if own is not None else max(estimate, self._cancelled_in_reactions(real_array(times, "time"), order))
+
+    def _cancelled_in_reactions(self, times: np.ndarray, order: int) -> float:
+        """Rounding errors of the terms of G (K x + C x' + M x'' - f) relative to their largest sum, at most 1."""
+        values = np.abs(self.reaction_function.derivative(order)(times)).max(initial=0.0)
+        if self._is_decided_exactly or not values:
+            return 0.0
+        rates = (np.abs(self.derivative(order + k)(times)) for k in range(3))
+        sizes = sum(np.abs(A) @ x for A, x in zip((self.system.stiffness, self.system.damping, self.system.mass), rates))
+        sizes = sizes + np.abs(self.applied.smooth.derivative(order)(times))
+        return min(EPS * float((np.abs(self.system.multiplier_map) @ sizes).max() / values), 1.0)
 
     @cached_property
     @within_float64()

@@ -11,11 +11,11 @@ from ..frequency.extrema import Extrema, extrema
 from ..frequency.fatigue import CycleCount, cycles_of
 from ..frequency.shock_spectrum import ShockResponseSpectrum
 from ..ground.checks import check_known, counted, nearest, real_array, real_number
-from ..ground.coordinate_units import force_unit, rate_unit
 from ..ground.display import Displayed, TextTable, number_text
 from ..ground.errors import InputError
 from ..ground.named_arrays import named_array
 from ..ground.tolerances import STEP_AGREEMENT, noise_of
+from ..ground.units import force_unit, rate_unit
 from ..signals.bohl import BohlFunction
 from .channels import Output, OutputNames, closed_form
 from .element_matrix import check_orthogonal, mass_normalized, static_response

@@ -17,9 +17,9 @@ import numpy as np
 
 from ..ground.by_name import Public
 from ..ground.checks import ReadOnly, real_number
-from ..ground.coordinate_units import GROUND, rate_unit
 from ..ground.errors import InputError, named, shown
 from ..ground.quantities import Dimension, Expressed, any_quantity, dimension, quantity, unit_of
+from ..ground.units import GROUND, rate_unit
 from ..mechanics.constraints import LEVELS, Level, checked_level
 from ..signals.impulsive import ImpulsiveSmooth
 

@@ -18,11 +18,11 @@ import scipy
 
 from ..ground.by_name import answering, wrong_call
 from ..ground.checks import counted, nearest, real_number
-from ..ground.coordinate_units import GROUND
 from ..ground.display import Displayed, TextTable
 from ..ground.errors import InputError, named
 from ..ground.quantities import quantity
 from ..ground.tolerances import COMPLEX_STEP
+from ..ground.units import GROUND
 from ..mechanics.constraints import Constraint
 from ..mechanics.element_matrix import ElementMatrix
 from ..mechanics.energy import EnergyParts

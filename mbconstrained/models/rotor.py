@@ -13,10 +13,10 @@ from typing import Annotated, Any, ClassVar
 import numpy as np
 
 from ..ground.checks import counted, real_array
-from ..ground.coordinate_units import GROUND
 from ..ground.errors import InputError, named
 from ..ground.quantities import quantity
 from ..ground.tolerances import noise_of
+from ..ground.units import GROUND
 from ..mechanics.element_matrix import ElementMatrix, SpeedTable, unbalance_of
 from .elements import Damper, Element, Joins, Mass, Numeric, Real, RigidBar, Spring, entries_of, unchecked, with_parts
 

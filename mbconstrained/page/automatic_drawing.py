@@ -23,7 +23,7 @@ from typing import Any
 import numpy as np
 
 from ..ground.checks import listed
-from ..ground.coordinate_units import GROUND
+from ..ground.units import GROUND
 from ..models.elements import Body as ModelBody
 from ..models.elements import Element, Gear, GearMesh, Mass, Node, Pulley, Rack, Relation, RigidBar, with_parts
 from ..models.rotor import PLANES, Rotor, in_planes

@@ -11,8 +11,8 @@ from typing import Any, NamedTuple, cast, get_args
 
 import numpy as np
 
-from ..ground.coordinate_units import GROUND
 from ..ground.tolerances import noise_of
+from ..ground.units import GROUND
 from ..models.elements import DelayedFeedback, Element, Lever, Link, Pulley, Rack, Relation, RigidTie
 from ..models.switching import SwitchingElement
 from .drawing import DrawnBody, DrawnLink, LinkKind, Vector, matrix_of, vector_of

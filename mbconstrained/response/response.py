@@ -359,17 +359,13 @@ class Response(Exported, Presented, Pictured):
     @cached_property
     def exact(self) -> ExactResponse:
         """The exact solution for the same data taken as exact numbers: impulses, values at 0+, intervals."""
-        if delayed := self.problem.delayed:
-            from ..exact.enclosure.delayed_response import ExactDelayedResponse
-            from ..exact.enclosure.exact_sources import sources_of
-            from ..exact.rational import regular_matrix
-            from .methods.method_of_steps import past_force
-
-            force = self.force + past_force(delayed, self.problem.past, self.polynomial_matrix.size)
-            return ExactDelayedResponse(regular_matrix(self.polynomial_matrix), self.initial, sources_of(force), terms=delayed)
         from ..exact.enclosure.exact_response import exact_response
+        from .methods.method_of_steps import past_force
 
-        return exact_response(self.polynomial_matrix, self.initial, self.force)
+        force, delayed = self.force, self.problem.delayed
+        if delayed:
+            force += past_force(delayed, self.problem.past, self.polynomial_matrix.size)
+        return exact_response(self.polynomial_matrix, self.initial, force, delayed)
 
     def enclose(self, times, digits: int = 15, *, order: int = 0) -> Enclosure:
         """Return intervals guaranteed to contain x(t), or a derivative of it, for exact data (``exact.enclosure``).

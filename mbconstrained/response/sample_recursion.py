@@ -117,6 +117,22 @@ class ShiftRecursion:
             high[row, :end], low[row, :end] = forces.high[row, shift:], forces.low[row, shift:]
         return DoubleDouble(high, low)
 
+    def corrected(self, rest: np.ndarray, sizes: np.ndarray, change: np.ndarray) -> np.ndarray:
+        """A bound of the residual after a change of x, in float64, from the one before and its bound, shape (r, T)."""
+        count = max(rest.shape[1] - len(self.coefficients) + 1, 0)
+        parts = [change[:, power : power + count] for power in range(len(self.coefficients))]
+        left, size = rest[:, :count].copy(), np.abs(rest[:, :count])
+        for matrix, part in zip(self.coefficients, parts):
+            left -= matrix @ part
+            size += np.abs(matrix) @ np.abs(part)
+        bound = np.abs(left) + self._terms * EPS * size + 2 * (sizes[:, :count] - np.abs(rest[:, :count]))
+        return np.pad(bound, ((0, 0), (0, rest.shape[1] - count)))
+
+    @cached_property
+    def _terms(self) -> int:
+        """Number of terms of a residual."""
+        return 2 + int(np.count_nonzero(self.coefficients, axis=(0, 2)).max(initial=0))
+
     def residual(self, forces: DoubleDouble, samples: DoubleDouble) -> tuple[np.ndarray, np.ndarray]:
         """g - A(sigma) x where the window has all terms, zero elsewhere, and a bound of the true residual, shapes (r, T)."""
         count = max(forces.shape[1] - len(self.coefficients) + 1, 0)
@@ -125,8 +141,7 @@ class ShiftRecursion:
         size = np.abs(forces.high[:, :count])
         for matrix, part in zip(self.coefficients, parts):
             size = size + np.abs(matrix) @ np.abs(part.high)
-        terms = 2 + int(np.count_nonzero(self.coefficients, axis=(0, 2)).max(initial=0))
-        lost = np.where(size > 0, terms**2 * (DOUBLED_EPS * size + EPS * LEAST_NUMBER), 0.0)
+        lost = np.where(size > 0, self._terms**2 * (DOUBLED_EPS * size + EPS * LEAST_NUMBER), 0.0)
         wide = ((0, 0), (0, forces.shape[1] - count))
         return np.pad(rest.high, wide), np.pad((1 + 2 * EPS) * np.abs(rest.high) + lost, wide)
 
@@ -180,15 +195,15 @@ def remainder(start: DoubleDouble, matrices: Sequence[np.ndarray] | np.ndarray, 
     """start - sum of A x of matrices A and numbers x (r, T), as with twice the digits (Ogita, Rump and Oishi 2005), some columns at a time."""
     high, low = np.array(start.high), np.array(start.low)
     width = max(TOGETHER // max(len(high), 1), 1)
-    halves = [(matrix, *split(matrix)) for matrix in matrices]
+    halves = [(columns, entries, *split(entries)) for columns, entries in map(_nonzero, matrices)]
     for begin in range(0, high.shape[1], width):
         at = slice(begin, begin + width)
         total, rest = high[:, at], low[:, at]
-        for (matrix, large, small), own in zip(halves, numbers):
+        for (columns, *entries), own in zip(halves, numbers):
             x, lost = own.high[:, at], own.low[:, at]
             (one, other), is_doubled = split(x), lost.any()
-            for j in np.flatnonzero(matrix.any(axis=0)):
-                a, b, c = matrix[:, j, None], large[:, j, None], small[:, j, None]
+            for places, a, b, c in zip(columns, *(part[..., None] for part in entries)):
+                j = places[0] if (places == places[0]).all() else places
                 product = a * x[j]
                 error = ((b * one[j] - product) + b * other[j] + c * one[j]) + c * other[j]
                 if is_doubled:
@@ -199,6 +214,13 @@ def remainder(start: DoubleDouble, matrices: Sequence[np.ndarray] | np.ndarray, 
         high[:, at] = total + rest
         low[:, at] = rest - (high[:, at] - total)
     return DoubleDouble(high, low)
+
+
+def _nonzero(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The columns of the nonzero entries of each row, ascending, with these, shape (any, r); zeros in rows that have fewer."""
+    most = np.count_nonzero(matrix, axis=1).max(initial=0)
+    columns = np.argsort(matrix == 0, axis=1, kind="stable")[:, :most]
+    return columns.T, np.take_along_axis(matrix, columns, axis=1).T
 
 
 def product(matrix: np.ndarray, numbers: DoubleDouble) -> DoubleDouble:
@@ -235,17 +257,25 @@ def refined(recursion: ShiftRecursion, forces: DoubleDouble) -> tuple[np.ndarray
     f = DoubleDouble(np.pad(forces.high, wide), np.pad(forces.low, wide))
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
         g = recursion.shifted(_led(recursion.lead, f) if recursion.lead else f)
-        x, rest = DoubleDouble.of(np.zeros(g.shape)), g.high
-        values, errors, largest, own = np.zeros(forces.shape), np.zeros(count), np.zeros(count), slice(ahead, ahead + count)
+        x, rest, sizes = DoubleDouble.of(np.zeros(g.shape)), g.high, np.abs(g.high)
+        bounds = errors = np.full(count, np.inf)
+        own = slice(ahead, ahead + count)
+
+        def bounded(sizes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+            bounds = recursion.propagated(sizes)[own]
+            return bounds, np.divide(bounds, largest, out=np.zeros(count), where=bounds != 0)
+
         for number in range(MOST_PASSES):
-            x = x + recursion.solved(rest)
-            rest, sizes = recursion.residual(g, x)
-            bounds, last = recursion.propagated(sizes)[own], errors
-            values = np.where(np.abs(x.high[-size:, own]) > bounds, x.high[-size:, own], 0.0)
+            change, last = recursion.solved(rest), errors
+            x = x + change
             largest = np.abs(x.high[-size:, own]).max(axis=0, initial=0.0)
-            errors = np.divide(bounds, largest, out=np.zeros(count), where=bounds != 0)
-            gaining = errors < LEAST_GAIN * last if number else errors < np.inf
-            if (errors <= SETTLED).all() or not gaining[errors > SETTLED].any():
+            if number:
+                bounds, errors = bounded(recursion.corrected(rest, sizes, change))
+            if not (errors <= SETTLED).all():
+                rest, sizes = recursion.residual(g, x)
+                bounds, errors = bounded(sizes)
+            if (errors <= SETTLED).all() or not (errors < LEAST_GAIN * last)[errors > SETTLED].any():
                 break
+        values = np.where(np.abs(x.high[-size:, own]) > bounds, x.high[-size:, own], 0.0)
     is_finite = np.isfinite(largest) & np.isfinite(errors)
     return np.where(is_finite, values, np.inf), np.where(is_finite, errors, np.inf)

@@ -13,11 +13,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..ground.checks import listed, real_array
-from ..ground.coordinate_units import GROUND
 from ..ground.display import Displayed, TextTable, notice_table, number_text
 from ..ground.errors import InputError
 from ..ground.notices import Notice, NoticeKind
 from ..ground.tolerances import JOINT_LIMIT, LOOPS_CLOSED_AS_ROUNDED
+from ..ground.units import GROUND
 from .connections import Loop, LoopKind
 from .kinematics import Kinematics
 from .linearized import LinearizedRobot, linearized_robot

@@ -18,8 +18,8 @@ import numpy as np
 
 from ..ground.by_name import Public
 from ..ground.checks import nearest, real_array, real_number
-from ..ground.coordinate_units import GROUND
 from ..ground.errors import InputError
+from ..ground.units import GROUND
 from ..linalg.arrays import block_diag
 from .description.urdf import HIDDEN
 from .kinematics import Anchor, Kinematics, RelativePose, directions_across, turned_product

@@ -20,10 +20,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..ground.checks import OF_FUNCTION, nearest, real_number
-from ..ground.coordinate_units import force_unit
 from ..ground.errors import InputError
 from ..ground.notices import Notice
 from ..ground.tolerances import CONE_TOLERANCE, NOISE_SAFETY
+from ..ground.units import force_unit
 from ..mechanics.channels import channels, chosen_by_name
 from ..mechanics.constraints import Constraint, Level, checked_level
 from ..mechanics.energy import EnergyParts

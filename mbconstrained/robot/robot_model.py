@@ -10,9 +10,9 @@ from xml.etree.ElementTree import Element
 import numpy as np
 
 from ..ground.checks import nearest, real_array, real_number
-from ..ground.coordinate_units import GROUND
 from ..ground.display import Displayed
 from ..ground.errors import InputError
+from ..ground.units import GROUND
 from .connections import ZEROS, BodySpring, Bushing, LinkFrames, Loop, PointMotion, checked_connections
 from .description.sdf import read_description
 from .description.urdf import (

@@ -17,7 +17,6 @@ from functools import cached_property
 import numpy as np
 
 from ..ground.checks import listed, nearest
-from ..ground.coordinate_units import force_unit
 from ..ground.display import Displayed, TextTable, notice_table
 from ..ground.errors import InputError
 from ..ground.notices import Notice, NoticeKind
@@ -35,6 +34,7 @@ from ..ground.tolerances import (
     ZERO_STIFFNESS,
     noise_of,
 )
+from ..ground.units import force_unit
 from .connections import AXES, Attached, AttachedTendon, BodySpring, Bushing, PointMotion, StretchedTendon
 from .kinematics import Anchor, Kinematics, RelativePose, Tree, cross_matrix
 from .robot_model import RobotModel

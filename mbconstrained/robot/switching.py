@@ -18,10 +18,10 @@ import numpy as np
 
 from ..ground.by_name import Public
 from ..ground.checks import nearest, real_array, real_number
-from ..ground.coordinate_units import GROUND
 from ..ground.errors import InputError, named
 from ..ground.notices import Notice, NoticeKind
 from ..ground.quantities import quantity
+from ..ground.units import GROUND
 from ..mechanics.constraints import Constraint
 from ..mechanics.switched.phase import STILL
 from ..mechanics.switched.switches import Guard, Switch, SwitchState, TimedChange, rigid_contact

@@ -15,9 +15,9 @@ import numpy as np
 import scipy.linalg
 
 from ..ground.checks import counted, nearest, real_array, real_number
-from ..ground.coordinate_units import GROUND
 from ..ground.errors import InputError
 from ..ground.notices import Notice, NoticeKind
+from ..ground.units import GROUND
 from .connections import Attached, BodySpring, Connection, LinkFrames, Loop
 from .description.meshes import MeshFiles, MissingMesh, Texture
 from .description.mjcf import geom_kind, pose

@@ -579,10 +579,10 @@ def merged(summands: Sequence[Summand]) -> list[Summand]:
 
 
 def _keys(summand: Summand, size: int) -> Iterator[tuple[bytes, bytes]]:
-    """Keys of its last states, as many as a size, and of its first columns."""
+    """Keys of its last states, as many as a size, and of its first columns where states restart."""
     block, skip, columns = summand.block, len(summand.block) - size, summand.coefficients[:, :size]
     yield block[skip:, skip:].tobytes(), summand.values[:, skip:].tobytes()
-    if columns.any():
+    if summand.values.shape[2] > 1 and columns.any():
         mantissa, exponent = np.frexp(columns / columns.flat[np.abs(columns).argmax()] + 0.0)
         yield block[:size, :size].tobytes(), np.round(np.ldexp(mantissa, COMPARED_DIGITS)).tobytes() + exponent.tobytes()
 

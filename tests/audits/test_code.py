@@ -112,6 +112,14 @@ def test_texts_name_no_machine_and_no_bookkeeping():
     expect_none(offenders, "the project speaks of itself alone")
 
 
+def test_the_top_level_holds_what_belongs_there():
+    """Packages, examples, tests, README, licence and dot files, but no logs of other programs."""
+    listed = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True)
+    tops = {name.split("/")[0] for name in listed.stdout.splitlines()}
+    belong = {"LICENSE", "README.md", "pyproject.toml", "mbconstrained", "robots", "tests", "examples"}
+    expect_none(sorted(name for name in tops - belong if not name.startswith(".")), "leave it out, or name it in .gitignore")
+
+
 def _committed_texts():
     suffixes = {".py", ".md", ".toml", ".css", ".html", ".urdf", ""}
     listed = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True)

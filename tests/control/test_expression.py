@@ -7,7 +7,7 @@ import pytest
 import sympy
 
 import mbconstrained as mb
-from mbconstrained.exact.symbolic.inverse_transform import time_expression
+from mbconstrained.exact.symbolic.symbolic_response import time_expression
 
 t, s = sympy.Symbol("t", real=True), sympy.Symbol("s")
 

@@ -121,3 +121,18 @@ def test_against_the_form_with_multipliers(case):
         forces = motion.constraint_impulses[order] if order < len(motion.constraint_impulses) else np.zeros(k)
         assert np.allclose(own, both[:n], atol=size)
         assert np.allclose(forces, both[n:], atol=size)
+
+
+def test_the_estimate_knows_what_cancels_between_the_springs():
+    """A stiff spring hardly stretched next to soft ones: the reaction is a small difference of large entries of K x."""
+    model = mb.LumpedModel()
+    model.node("a")
+    model.node("b")
+    model.spring("ground", "a", 0.12)
+    model.spring("ground", "b", 0.01)
+    model.spring("a", "b", 582.1338942830382)
+    model.constrain({"a": 3.0, "b": 2.0}, level="velocity")
+    motion, times = model.assemble().solve([0.0, -2.2], force=mb.step([0.0, 0.1])), np.linspace(0.5, 15.0, 7)
+    values, exact = motion.reaction(times), motion.enclose(times, 17, of="reaction").middle
+    error = np.abs(values - exact).max() / np.abs(values).max()
+    assert error / 2 <= motion.error_estimate(times, of="reaction") <= 100 * error

@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 import sympy
 
-from mbconstrained.exact.symbolic.inverse_transform import initial_symbols
 from mbconstrained.exact.symbolic.symbolic_matrix import SymbolicPolynomialMatrix
-from mbconstrained.exact.symbolic.symbolic_response import solve_symbolically
+from mbconstrained.exact.symbolic.symbolic_response import initial_symbols, solve_symbolically
 from tests.exact.symbolic.models import (
     DAMPED,
     FREE_AND_DECAYING,

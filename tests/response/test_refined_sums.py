@@ -54,3 +54,26 @@ def test_values_do_not_depend_on_what_was_evaluated_before():
     motion.velocity(0.9 * TIMES)
     again = [getattr(motion, name)(TIMES) for name in ("acceleration", "displacement", "velocity", "acceleration")][1:]
     assert all(np.array_equal(one, other) for one, other in zip(alone, again))
+
+
+def test_pairs_that_do_not_separate_leave_the_values_to_another_method():
+    """Combinations of pairs next to a rate of 1e10 / s once gave poles on the other side of the real axis; values by the exact engine."""
+    model = mb.LumpedModel()
+    model.mass("a", 1.1060656003856389e4)
+    model.mass("b", 2.5e-6)
+    model.mass("c", 3.8772246485002379e3)
+    model.damper("ground", "b", 1.9e5)
+    model.damper("b", "c", 1.7e-5)
+    for number, stiffness in enumerate([16.9, 5.6, 13998.0]):
+        model.spring("b", "c", stiffness, name=f"spring {number}")
+    model.spring("a", "c", 0.027)
+    motion, times = model.assemble().solve([0.0, 0.0, 1.0]), np.array([1.0, 30.0])
+    assert np.abs(motion(times) - motion.enclose(times).middle).max() <= PROVED_ACCURACY
+
+
+def test_a_velocity_at_the_start_follows_the_force_where_there_is_no_mass():
+    """4 x' + 2 x = -0.5 starts with x' = -0.125 at x = 0, next to a free mass and one of many radians, which start at rest."""
+    system = mb.MechanicalSystem(np.diag([0.0, 1.0, 1.0]), np.diag([4.0, 0.0, 1.0]), np.diag([2.0, 16.0, 0.0]))
+    motion = system.solve(force=mb.step([-0.5, 1.0, 1.0]))
+    assert motion.velocity([0.0, 1.0, 40.0])[:, 0].tolist() == [-0.125, 0.0, 0.0]
+    assert motion([0.0, 1.0, 40.0])[:, 0].tolist() == [0.0, 0.0, 0.0]

@@ -15,9 +15,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...ground.checks import nearest
-from ...ground.coordinate_units import impulse_unit
 from ...ground.errors import InputError
 from ...ground.quantities import quantity
+from ...ground.units import impulse_unit
 from ...scene.run.result import ORDERS, Result
 from ..frequency import Frequency
 from ..random import random_response

@@ -15,7 +15,7 @@ from fractions import Fraction
 from functools import cached_property, lru_cache
 from itertools import zip_longest
 from math import factorial, inf, isfinite, lcm, nextafter
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import flint
 import numpy as np
@@ -25,6 +25,7 @@ from ...ground.display import Displayed
 from ...ground.errors import InputError, SingularPolynomialMatrix, within_float64
 from ...ground.notices import Notice, NoticeKind
 from ...ground.tolerances import EPS
+from ...polynomial.delayed_terms import DelayedTerm
 from ...polynomial.polynomial_matrix import PolynomialMatrix
 from ...signals.impulsive import ImpulsiveSmooth
 from ..engine import series_at_infinity
@@ -34,8 +35,10 @@ from ..rational import (
     enclosed_roots,
     fraction,
     known_matrix,
+    pivots,
     polynomial,
     rational,
+    rational_matrix,
     regular_matrix,
     working_precision,
 )
@@ -56,6 +59,9 @@ ROUNDED_BITS, FIRST_ROUNDED_BITS = 56, 128
 
 #: In larger matrices no single entry decides, and each costs a determinant.
 MOST_ENTRIES = 64
+
+#: Largest number of coordinates times sums of delays: the time of a determinant grows with its third power.
+MOST_ROWS = 240
 
 #: Bits of jumps and impulses.
 EVENT_BITS = 256
@@ -612,8 +618,12 @@ def _checked_digits(digits) -> int:
 # The exact response to the data of a numeric one.
 
 
-def exact_response(A: PolynomialMatrix, initial: np.ndarray, force: ImpulsiveSmooth) -> ExactResponse:
-    """The exact response x with A(d/dt) x = f from values at 0- of shape (q, r), for exact data."""
+def exact_response(
+    A: PolynomialMatrix, initial: np.ndarray, force: ImpulsiveSmooth, delayed: Sequence[DelayedTerm] = ()
+) -> ExactResponse:
+    """The exact response x with A(d/dt) x + delayed terms = f from values at 0- of shape (q, r), for exact data."""
+    if delayed:
+        return ExactDelayedResponse(regular_matrix(A), initial, sources_of(force), terms=delayed)
     return ExactResponse(regular_matrix(A), initial, sources_of(force))
 
 
@@ -649,6 +659,158 @@ def exact_combination(row: np.ndarray, A: PolynomialMatrix, initial: np.ndarray,
     return ExactResponse(RationalMatrix([[[1]]]), np.zeros((0, 1)), sources)
 
 
+# Boundary values: x(t) = x_p(t) + sum of c_j x_j(t), solved for c in ball arithmetic.
+
+
+class ExactValue(NamedTuple):
+    """x_i^(order) at 0+, or at T-."""
+
+    coordinate: int
+    order: int
+    at_end: bool
+    value: float
+
+
+@dataclass(repr=False, eq=False)
+class ExactBoundary(ExactResponse):
+    """The exact solution of A(d/dt) x = f with as many values at both ends as there are finite zeros.
+
+    x_p is the motion from zero values at 0- under f, x_j are independent free motions.
+    """
+
+    conditions: tuple[ExactValue, ...] = ()
+    duration: flint.fmpq = ZERO
+
+    def __post_init__(self):
+        super().__post_init__()
+        count = self.matrix.determinant.degree()
+        if len(self.conditions) != count:
+            raise InputError(
+                f"enclose: found {counted(len(self.conditions), 'boundary value')}; expected {count}, one for each finite zero, which "
+                "determine one motion"
+            )
+
+    @property
+    def start(self) -> np.ndarray:
+        raise InputError("start: with boundary values it is no rational number; enclose at t = 0 gives it as intervals")
+
+    @cached_property
+    def _free(self) -> list[ExactResponse]:
+        """Independent free motions, from values at 0- of which one is 1, in the requested rows."""
+        degree, size = len(self.initial), self.matrix.size
+        units = np.eye(degree * size, dtype=int).reshape(-1, degree, size)
+        starts = [ExactResponse(self.matrix, unit.tolist(), ()).start.ravel() for unit in units]
+        if not starts:
+            return []
+        places = pivots(*rational_matrix(np.array(starts).T).rref())
+        return [ExactResponse(self.matrix, units[k].tolist(), (), self.rows) for k in places]
+
+    def _amounts(self) -> list[flint.arb]:
+        """c at the working precision; not finite where more bits may separate the conditions."""
+        whole = range(self.matrix.size)
+        before = [source for source in self.sources if source.time < self.duration]  # left limits at T
+        motions = [ExactResponse(self.matrix, self.initial, before), *(one.with_rows(whole) for one in self._free)]
+        known: dict[tuple[bool, int], list[list[flint.arb]]] = {}
+        for one in self.conditions:
+            if (key := (one.at_end, one.order)) not in known:
+                time = self.duration if one.at_end else ZERO
+                known[key] = [motion._values([time], one.order)[0] for motion in motions]
+        rows = [[column[one.coordinate] for column in known[one.at_end, one.order]] for one in self.conditions]
+        right = [[flint.arb(rational(one.value)) - own[0]] for one, own in zip(self.conditions, rows)]
+        try:
+            return flint.arb_mat([own[1:] for own in rows]).solve(flint.arb_mat(right)).entries()
+        except ZeroDivisionError:
+            if flint.ctx.prec > MOST_BITS:
+                raise InputError(
+                    "enclose: the boundary values cannot be proved to be independent; T may be a conjugate point"
+                ) from None
+            return [flint.arb("nan")] * len(rows)
+
+    def _values(self, times: Sequence[flint.fmpq], order: int) -> list[list[flint.arb]]:
+        columns = super()._values(times, order)
+        if not times or not self.size or not self.conditions:
+            return columns
+        for amount, motion in zip(self._amounts(), self._free):
+            own = motion._values(times, order)
+            columns = [[a + amount * b for a, b in zip(*pair)] for pair in zip(columns, own)]
+        return columns
+
+
+def with_boundary_values(x: ExactResponse, values: Sequence[ExactValue], duration: float) -> ExactBoundary:
+    """Return the same equations and sources with values at both ends instead of those at 0-."""
+    rest = [[0] * x.matrix.size for _ in x.initial]
+    return ExactBoundary(x.matrix, rest, x.sources, x.rows, tuple(values), rational(duration))
+
+
+# Delays: X(s) is the sum of e^(-s tau) Z_tau(s) over all sums tau of delays, with rational functions from
+#
+#     A(s) Z_0 = X_in + F,    A(s) Z_tau = - sum of (A_j(s) Z_(tau - delay_j), at tau = delay_j less the values at 0-):
+#
+# one polynomial matrix with A(s) on its diagonal and A_j(s) below it, whose response is x(t) = sum over tau <= t of z_tau(t - tau). The
+# terms cancel, the more the more delays have passed; balls of as many bits as that takes leave every digit.
+
+
+@dataclass(repr=False, eq=False)
+class ExactDelayedResponse(ExactResponse):
+    """The exact solution with delays, all data taken as exact numbers, the delays as the decimal numbers that they were written as."""
+
+    terms: Sequence[DelayedTerm] = ()
+
+    def _sums(self, end: flint.fmpq) -> tuple[Fraction, ...]:
+        """The sums of delays up to a time, ascending."""
+        delays, last = [term.decimal for term in self.terms], Fraction(int(end.p), int(end.q))
+        known, level = {Fraction(0)}, {Fraction(0)}
+        while level:
+            level = {one + delay for one in level for delay in delays if one + delay <= last} - known
+            known |= level
+            if len(known) * self.matrix.size > MOST_ROWS:
+                raise InputError(
+                    f"time: until {float(last):g} s there are more than {MOST_ROWS // self.matrix.size} sums of delays, too many for exact "
+                    "determinants; ask for earlier times"
+                )
+        return tuple(sorted(known))
+
+    @cached_property
+    def _responses(self) -> dict[int, ExactResponse]:
+        """All z of some sums of delays, one below the other, by their number."""
+        return {}
+
+    def _response(self, sums: tuple[Fraction, ...]) -> ExactResponse:
+        if (count := len(sums)) not in self._responses:
+            r, place = self.matrix.size, {one: k for k, one in enumerate(sums)}
+            own = np.array([matrix.tolist() for matrix in self.matrix.coefficients], dtype=object)
+            late = [(term.decimal, np.vectorize(rational, [object])(term.coefficients)) for term in self.terms]
+            total = np.full((max(map(len, (own, *(matrices for _, matrices in late)))), r * count, r * count), ZERO, dtype=object)
+            for tau, k in place.items():
+                at = slice(k * r, (k + 1) * r)
+                total[: len(own), at, at] = own
+                for delay, coefficients in late:
+                    if (other := place.get(tau - delay)) is not None:
+                        total[: len(coefficients), at, other * r : (other + 1) * r] += coefficients
+            nothing = (ZERO,) * (r * (count - 1))
+            start = [(*row, *nothing) for row in self.initial] + [(ZERO,) * (r * count)] * (len(total) - 1 - len(self.initial))
+            sources = [replace(source, vector=(*source.vector, *nothing)) for source in self.sources]
+            self._responses[count] = ExactResponse(RationalMatrix(total.tolist()), start, sources)
+        return self._responses[count]
+
+    def _values(self, times, order: int) -> list[list[flint.arb]]:
+        if not times or not self.size:
+            return [[] for _ in times]
+        sums, r = self._sums(max(times)), self.matrix.size
+        whole = self._response(sums)
+        calls = [
+            (place, k, time - rational(tau))
+            for place, time in enumerate(times)
+            for k, tau in enumerate(sums)
+            if rational(tau) <= time
+        ]
+        columns = [[flint.arb(0)] * self.size for _ in times]
+        for (place, k, _), column in zip(calls, whole._values([since for *_, since in calls], order)):
+            own = column[k * r : (k + 1) * r]
+            columns[place] = [total + own[row] for total, row in zip(columns[place], self.rows)]
+        return columns
+
+
 # Where the exact data have another structure than the numeric answer, and the entry of A(s) on which it depends.
 
 
@@ -667,20 +829,17 @@ def structure_notices(numeric_count: int, exact: ExactResponse) -> tuple[Notice,
 def deciding_entry(A: PolynomialMatrix) -> str:
     """The entry of A(s) whose smallest relative change makes the highest coefficient of det A(s) vanish.
 
-    det A(s) is of first degree in each entry, so that two determinants give that change exactly.
+    det A(s) is of first degree in each entry, with an entry of adj A(s) as its slope.
     """
     exact = RationalMatrix.of(A)
     places = np.argwhere(A.coefficients).tolist()
     if len(places) > MOST_ENTRIES or not exact.determinant:
         return ""
-    highest, given = exact.determinant.degree(), [matrix.tolist() for matrix in A.exact_coefficients]
-    changes = {}
+    highest, changes = exact.determinant.degree(), {}
     for power, i, j in places:
-        entry, doubled = given[power][i][j], [[[*row] for row in matrix] for matrix in given]
-        doubled[power][i][j] = 2 * entry
-        slope = RationalMatrix(doubled).determinant[highest] - exact.determinant[highest]
+        slope = exact.coefficients[power][i, j] * exact.adjugate[j][i][highest - power] if power <= highest else 0
         if slope:
-            changes[power, i, j] = float(-exact.determinant[highest] / slope)
+            changes[power, i, j] = float(fraction(-exact.determinant[highest] / slope))
     if not changes:
         return ""
     (power, i, j), change = min(changes.items(), key=lambda item: abs(item[1]))

@@ -1,5 +1,4 @@
 """Exact answers with symbols: masses, stiffnesses and dampings that are positive and otherwise free.
 
-``fields`` has the arithmetic, ``symbolic_pairs`` zeros in radicals and Jordan blocks, ``symbolic_matrix`` A(s), ``inverse_transform`` and
-``symbolic_response`` motions.
+``fields`` has the arithmetic, ``radicals`` zeros in radicals, ``symbolic_matrix`` A(s) and its Jordan pairs, ``symbolic_response`` motions.
 """

@@ -8,12 +8,10 @@ from __future__ import annotations
 
 import numbers
 from collections.abc import Iterable
-from dataclasses import dataclass
 from decimal import Decimal
 from fractions import Fraction
 from functools import reduce
 from itertools import pairwise
-from typing import Any
 
 import sympy
 from sympy.polys.domains.domain import Domain
@@ -307,84 +305,3 @@ def root_expression(field: Domain, value) -> sympy.Expr:
         above, below = abs(field.numer(g).content()), abs(field.denom(g).content())
         content, g = sympy.Rational(int(above), int(below)), g * field.convert(below) / field.convert(above)
     return expression_of(field, f) * sympy.sqrt(content) * sympy.sqrt(expression_of(field, g))
-
-
-@dataclass(frozen=True)
-class Surd:
-    """u + v sqrt(g), elements of the field, g no square in it."""
-
-    field: Domain
-    u: Any
-    v: Any
-    g: Any
-
-    def __add__(self, other: Surd) -> Surd:
-        return Surd(self.field, self.u + other.u, self.v + other.v, self.g)
-
-    def __sub__(self, other: Surd) -> Surd:
-        return self + -other
-
-    def __mul__(self, other: Surd) -> Surd:
-        return Surd(self.field, self.u * other.u + self.v * other.v * self.g, self.u * other.v + self.v * other.u, self.g)
-
-    def __neg__(self) -> Surd:
-        return Surd(self.field, -self.u, -self.v, self.g)
-
-    @property
-    def conjugate(self) -> Surd:
-        """u - v sqrt(g)."""
-        return Surd(self.field, self.u, -self.v, self.g)
-
-    def of(self, u) -> Surd:
-        """An element of the field as a surd."""
-        return Surd(self.field, u, self.field.zero, self.g)
-
-    def sign(self) -> int | None:
-        """Sign for all positive values of the symbols; None where it is undecided, or where the number may be complex."""
-        if not self.v:
-            return sign(self.field, self.u)
-        return sign_with_root(self.field, self.u, self.v, self.g) if sign(self.field, self.g) == 1 else None
-
-
-def compact_expression(number: Surd) -> sympy.Expr:
-    """u + v sqrt(g) with the common factor of u and v in front, sqrt(g) too where g divides u."""
-    field = number.field
-    if not number.v:
-        return expression_of(field, number.u)
-    shared, u, v = _parted(number)
-    if field.is_FractionField and not number.g.numer.is_ground and not u.numer.rem(number.g.numer):
-        root = root_expression(field, number.g)
-        return expression_of(field, shared * number.g) / root * _sum(number, v, u / number.g)  # u + v r = g/r (v + u/g r), r^2 = g
-    return expression_of(field, shared) * _sum(number, u, v)
-
-
-def compact_root(number: Surd) -> sympy.Expr:
-    """A square root of u + v sqrt(g), the positive one where the number is positive."""
-    field = number.field
-    if not number.v:
-        root = root_expression(field, in_one_form(field, number.u))
-        nested = [power for power in root.atoms(sympy.Pow) if power.is_number and not power.exp.is_Integer]
-        return root.xreplace({power: sympy.expand(sympy.sqrtdenest(power)) for power in nested})
-    shared, u, v = _parted(number)
-    inner = _sum(number, u, v)
-    if not inner.is_number or not field.is_FractionField:
-        return root_expression(field, shared) * sympy.sqrtdenest(sympy.sqrt(inner))
-    front = sympy.S.One
-    if field.domain.is_ZZ:
-        front = sympy.Rational(*(field.domain.to_sympy(part.content()) for part in (shared.numer, shared.denom)))
-    denested = sympy.sqrtdenest(sympy.sqrt(sympy.expand(front * inner)))  # (3 + sqrt(5))/2 is a square, 3 + sqrt(5) is none
-    return root_expression(field, shared / field.from_sympy(front)) * sympy.expand(denested)
-
-
-def _parted(number: Surd) -> tuple:
-    """A common factor of u and v, and both without it."""
-    field, u, v = number.field, number.u, number.v
-    if not field.is_FractionField:
-        return field.one, u, v
-    shared = field((u.numer * v.denom).gcd(v.numer * u.denom)) / field(u.denom * v.denom)
-    return shared, u / shared, v / shared
-
-
-def _sum(number: Surd, u, v) -> sympy.Expr:
-    field = number.field
-    return field.to_sympy(u) + field.to_sympy(v) * root_expression(field, number.g)

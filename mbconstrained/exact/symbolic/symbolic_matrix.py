@@ -1,7 +1,8 @@
-"""A(s) = A_0 + A_1 s + ... + A_q s^q with entries that are rational functions of symbols."""
+"""A(s) = A_0 + A_1 s + ... + A_q s^q with entries that are rational functions of symbols: its ring K[s], A(s) itself, its Jordan pairs."""
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -18,23 +19,155 @@ from ...ground.checks import names_of
 from ...ground.errors import InputError, SingularPolynomialMatrix
 from ...polynomial.polynomial_matrix import PolynomialMatrix
 from ...polynomial.structure import singular_sentence
-from ..engine import ExactMatrix, ExactStructure, RootPolynomials
+from ..engine import ExactJordanPairs, ExactMatrix, ExactPair, ExactStructure, HypercompanionBlock, JordanChain, RootPolynomials
 from .fields import (
     VARIABLE,
     as_positive,
+    coefficients,
     common_denominator,
     element,
     exact_expression,
     exact_rows,
     expression_of,
     field_of,
+    in_one_form,
     integers,
+    sign,
     symbols_of,
 )
-from .symbolic_pairs import SymbolicJordanPairs, SymbolicRing
+from .radicals import Root, roots
 
 #: The variable of every A(s).
 S = sympy.Symbol(VARIABLE)
+
+# The ring K[s] as the engine takes it.
+
+#: (q, k): an irreducible monic factor and its multiplicity.
+Factors = list[tuple[sympy.Poly, int]]
+
+#: Characters of a polynomial in a representation.
+LONGEST_TEXT = 60
+
+
+@dataclass(frozen=True)
+class SymbolicZero:
+    """A zero of A(s).
+
+    Attributes:
+        value: in 1/s, in radicals, or with 30 digits where there are no symbols; of a complex pair the one above the real axis
+            stands for both.
+        multiplicity, partial_multiplicities: as in ``FiniteZero``.
+        is_pair: True where it stands for two.
+    """
+
+    value: sympy.Expr
+    multiplicity: int
+    partial_multiplicities: tuple[int, ...]
+    is_pair: bool = False
+
+    @property
+    def count(self) -> int:
+        """Number of roots of det A(s) for this entry."""
+        return self.multiplicity * (2 if self.is_pair else 1)
+
+
+def factors_of(p: sympy.Poly) -> Factors:
+    """The monic irreducible factors of p over its field with their powers, those of low degree first.
+
+    Over rational functions of symbols, p times its denominators is factored as a polynomial in s and the symbols (Gauss).
+    """
+    order = min((power for (power,), _ in p.terms()), default=0)
+    rest = sympy.Poly(p.rep.to_list()[: p.degree() - order + 1], p.gen, domain=p.domain) if order else p  # factoring is slow
+    factors = [(sympy.Poly([p.domain.one, p.domain.zero], p.gen, domain=p.domain), order)] if order else []
+    if p.domain.is_FractionField:
+        rest = rest.clear_denoms(convert=True)[1]
+    for factor, power in rest.factor_list()[1]:
+        if factor.degree() > 0:  # equal coefficients for equal polynomials
+            monic = [in_one_form(p.domain, c) for c in factor.set_domain(p.domain).monic().rep.to_list()]
+            factors.append((sympy.Poly(monic, p.gen, domain=p.domain), power))
+    return sorted(factors, key=lambda pair: (pair[0].degree(), len(pair[0].terms()), pair[1], str(pair[0])))
+
+
+def inverse_modulo(unit: sympy.Poly, modulus: sympy.Poly) -> sympy.Poly:
+    """1 / unit modulo a polynomial: the first column of the inverse of the matrix of v -> unit v.
+
+    By elimination without fractions: those of Euclid's algorithm grow. Modulo s^k it is a power series.
+    """
+    unit, field, degree, ring = unit.rem(modulus), unit.domain, modulus.degree(), integers(unit.domain)
+    if len(modulus.terms()) == 1:
+        first, *others = coefficients(unit, degree)
+        series = [field.one / first]
+        for j in range(1, degree):
+            known = sum((c * series[j - i] for i, c in enumerate(others[:j], 1)), field.zero)
+            series.append(-known * series[0])
+        return sympy.Poly(series[::-1], unit.gen, domain=field)
+    columns = [coefficients((unit * sympy.Poly(unit.gen**i, unit.gen, domain=field)).rem(modulus), degree) for i in range(degree)]
+    scale = common_denominator(field, itertools.chain(*columns))
+    rows = [[ring.convert_from(column[i] * scale, field) for column in columns] for i in range(degree)]
+    one = DomainMatrix([[ring.one if i == 0 else ring.zero] for i in range(degree)], (degree, 1), ring)
+    numerators, denominator = DomainMatrix(rows, (degree, degree), ring).solve_den(one, method="rref")
+    factor = scale / field.convert_from(denominator, ring)
+    first_column = [field.convert_from(row[0], ring) * factor for row in numerators.to_list()]
+    return sympy.Poly(first_column[::-1], unit.gen, domain=field)
+
+
+class SymbolicRing:
+    """K[s] over a field of sympy: Polys for polynomials and matrices of expressions."""
+
+    coefficients, inverse, factors = staticmethod(coefficients), staticmethod(inverse_modulo), staticmethod(factors_of)
+    chain = JordanChain
+
+    def __init__(self, domain: Domain, variable: sympy.Symbol):
+        self.domain, self.variable = domain, variable
+        self.zero, self.one = domain.zero, domain.one
+        self._roots: dict[sympy.Poly, tuple[Root, ...] | None] = {}
+
+    @classmethod
+    def of(cls, p: sympy.Poly) -> SymbolicRing:
+        return cls(p.domain, p.gen)
+
+    def polynomial(self, coefficients: Sequence) -> sympy.Poly:
+        return sympy.Poly(list(coefficients)[::-1] or [self.zero], self.variable, domain=self.domain)
+
+    def weight(self, p: sympy.Poly) -> int:
+        """Number of terms in s and in the symbols."""
+        if not self.domain.is_FractionField:
+            return len(p.terms())
+        return sum(len(self.domain.numer(c)) + len(self.domain.denom(c)) for c in p.rep.to_list())
+
+    def exported(self, p: sympy.Poly) -> sympy.Poly:
+        return p
+
+    def text(self, p: sympy.Poly) -> str:
+        text = str(p.as_expr())
+        return text if len(text) <= LONGEST_TEXT else f"of degree {p.degree()} in {p.gen}"
+
+    def matrix(self, rows: Sequence[Sequence]) -> sympy.ImmutableMatrix:
+        entries = [expression_of(self.domain, entry) for row in rows for entry in row]
+        return sympy.ImmutableMatrix(len(rows), len(rows[0]) if rows else 0, entries)
+
+    def joined(self, matrices: Sequence[sympy.MatrixBase], axis: int) -> sympy.ImmutableMatrix:
+        return (sympy.Matrix.vstack, sympy.Matrix.hstack)[axis](*matrices).as_immutable()
+
+    def diagonal(self, matrices: Sequence[sympy.MatrixBase]) -> sympy.ImmutableMatrix:
+        return sympy.diag(*matrices).as_immutable()
+
+    def finite_zeros(self, divisors) -> tuple[SymbolicZero, ...]:
+        """Finite zeros: with symbols those of factors of degree 1, 2 and s^4 + b s^2 + c (``roots``); for numbers all."""
+        return tuple(
+            SymbolicZero(root.value, multiplicity, exponents, root.is_pair)
+            for p, multiplicity, exponents in divisors
+            for root in self.roots(p) or ()
+        )
+
+    def roots(self, p: sympy.Poly) -> tuple[Root, ...] | None:
+        """The zeros of an irreducible p, computed once; None for symbols without a closed form."""
+        if p not in self._roots:
+            self._roots[p] = roots(p)
+        return self._roots[p]
+
+
+# A(s).
 
 
 @dataclass(frozen=True, eq=False)
@@ -275,3 +408,172 @@ def _raise_singular(A: SymbolicPolynomialMatrix) -> NoReturn:
     equations, coordinates = involved(rows.transpose()), involved(rows)
     text = singular_sentence([A.equations[i] for i in equations], [A.coordinates[i] for i in coordinates])
     raise SingularPolynomialMatrix(text, equations, coordinates)
+
+
+# Jordan blocks in radicals, the assumptions, and the projector onto consistent values.
+
+
+class SymbolicJordanPairs(ExactJordanPairs):
+    """Finite and infinite Jordan pair of a regular A(s) for generic positive symbols, computed on demand.
+
+    >>> m, k = sympy.symbols("m k", positive=True)
+    >>> from mbconstrained import SymbolicPolynomialMatrix
+    >>> pairs = SymbolicPolynomialMatrix([[[k]], [[0]], [[m]]]).jordan_pairs()
+    >>> pairs.finite.J, pairs.finite.C, pairs.finite.B
+    (Matrix([
+    [               0, sqrt(k)/sqrt(m)],
+    [-sqrt(k)/sqrt(m),                0]]), Matrix([[1, 0]]), Matrix([
+    [                  0],
+    [1/(sqrt(k)*sqrt(m))]]))
+    """
+
+    matrix: SymbolicPolynomialMatrix
+    ring: SymbolicRing
+
+    @cached_property
+    def finite(self) -> ExactPair:
+        """(C, J, B) with J in Jordan form where the zeros have a closed form (degrees 1, 2, and s^4 + b s^2 + c), or are numbers.
+
+        Complex pairs have real blocks (Moysis et al., Eq. 38). Where it depends on the symbols whether two zeros are real, they
+        have one column each, and their square root may be one of a negative number (Eq. 95). Elsewhere blocks have entries in the
+        field: a block companion matrix where all zeros belong to one factor of multiplicity one, hypercompanion blocks otherwise.
+        """
+        if self._is_one_companion:
+            return ExactPair(self.ring, self.matrix.size, [_companion_block(self.matrix, self.factors[0][0])])
+        blocks: list = []
+        for place, (p, _) in enumerate(self.factors):
+            terms, zeros = self.root_polynomials(place), self.ring.roots(p)
+            if zeros is None:
+                blocks += [HypercompanionBlock(term) for term in terms]
+            else:
+                blocks += [_jordan_block(JordanChain(term), zero) for zero in zeros for term in terms]
+        return ExactPair(self.ring, self.matrix.size, blocks)
+
+    @cached_property
+    def jump_projector(self) -> sympy.ImmutableMatrix:
+        """P = col(C, CJ, ..., CJ^(q-1)) [J^(q-1)B ... B] M1, shape (q r, q r) (Moysis et al., Eq. 98).
+
+        The values of a free motion at 0+ are P times those at 0-. For every pair the first two factors have the blocks
+        H_(c-a-q), and M1 has A_(q-c+b) at (c, b), c >= b.
+        """
+        A, shape = self.matrix, (self.matrix.size, self.matrix.size)
+        q, r = A.degree, A.size
+        matrices = [DomainMatrix(rows, shape, A.field) for rows in A.elements]
+        total = sympy.zeros(q * r, q * r)
+        for a, b in itertools.product(range(q), repeat=2):
+            block = DomainMatrix.zeros(shape, A.field).to_dense()
+            for c in range(b, q):
+                block += DomainMatrix(self.laurent.elements(c - a - q), shape, A.field) * matrices[q - c + b]
+            total[a * r : (a + 1) * r, b * r : (b + 1) * r] = self.ring.matrix(block.to_list())
+        return total.as_immutable()
+
+    @cached_property
+    def assumptions(self) -> tuple[sympy.Expr, ...]:
+        """Expressions in the symbols that must not vanish for both pairs: those of the structure, and every pivot."""
+        terms = () if self._is_one_companion else self.terms
+        pivots = (_resultant(term.divisor, term.pivot) for term in terms)
+        return must_not_vanish(self.matrix.field, itertools.chain(self._divided_by(), pivots))
+
+    def structure_assumptions(self) -> tuple[sympy.Expr, ...]:
+        """The degree of det A, distinct zeros, and the pivots of multiple and infinite ones; zeros without closed form left out."""
+        return must_not_vanish(self.matrix.field, self._divided_by())
+
+    def _divided_by(self) -> Iterable:
+        A, field = self.matrix, self.matrix.field
+        yield from (field.convert(field.denom(c), field.get_ring()) for matrix in A.elements for row in matrix for c in row)
+        yield A.determinant.rep.LC()
+        for place, (p, multiplicity) in enumerate(self.factors):
+            yield from (_resultant(p, other) for other, _ in self.factors[:place])
+            if p.degree() > 1 and self.ring.roots(p) is not None:
+                yield _resultant(p, p.diff())
+            if multiplicity > 1:
+                yield from (_resultant(p, term.pivot) for term in self.root_polynomials(place))
+        yield from (term.pivot.rep.LC() for term in self.infinity)
+
+    @property
+    def _is_one_companion(self) -> bool:
+        """True where A_q is invertible and det A is irreducible, with zeros that have no closed form."""
+        if len(self.factors) != 1:
+            return False
+        A, (p, multiplicity) = self.matrix, self.factors[0]
+        return multiplicity == 1 and p.degree() == A.size * A.degree and self.ring.roots(p) is None
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class Block:
+    """The part of the finite pair that belongs to one elementary divisor p^k and one of its zeros.
+
+    Attributes:
+        kind: "jordan"; "real jordan", of a complex pair a +- i b, with [[a, b], [-b, a]] on the diagonal (Moysis et al., Eq. 38);
+            "companion", the block companion matrix of all of A(s).
+        polynomial, length: p and k.
+        zero: in radicals, or with 30 digits where there are no symbols, of a pair the one above the real axis; None of a
+            companion matrix.
+        C, J, B: its columns, square and rows.
+    """
+
+    kind: str
+    polynomial: sympy.Poly
+    length: int
+    zero: sympy.Expr | None
+    C: sympy.ImmutableMatrix
+    J: sympy.ImmutableMatrix
+    B: sympy.ImmutableMatrix
+
+    def __repr__(self) -> str:
+        return f"Block({self.kind}, length={self.length}, degree {self.polynomial.degree()})"
+
+
+def _jordan_block(chain: JordanChain, root: Root) -> Block:
+    """The Jordan block of a chain at a zero, real for a complex pair."""
+    right = [[root.at(entry) for entry in vector] for vector in chain.right]
+    if root.is_pair:
+        columns = [[parts[which] for parts in vector] for vector in right for which in (0, 1)]
+        rows = [[root.at(sign * entry)[which] for entry in vector] for vector in chain.left for which, sign in ((0, 2), (1, -2))]
+        diagonal = sympy.Matrix([[root.real, root.imaginary], [-root.imaginary, root.real]])
+    else:
+        columns = [[real for real, _ in vector] for vector in right]
+        rows = [[root.at(entry)[0] for entry in vector] for vector in chain.left]
+        diagonal = sympy.Matrix([[root.real]])
+    J = sympy.diag(*[diagonal] * chain.length) + _shift(len(columns), diagonal.rows)
+    kind = "real jordan" if root.is_pair else "jordan"
+    C, B = sympy.Matrix(columns).T, sympy.Matrix(rows)
+    return Block(kind, chain.polynomial, chain.length, root.value, *(matrix.as_immutable() for matrix in (C, J, B)))
+
+
+def _companion_block(A: SymbolicPolynomialMatrix, p: sympy.Poly) -> Block:
+    """C = [I 0 ... 0], J = [0 I; -A_q^-1 A_0 ... -A_q^-1 A_(q-1)] and B = [0; A_q^-1], where A_q is invertible and det A ~ p.
+
+    C (s I - J)^-1 B = A(s)^-1. No entry is longer than A_q^-1 makes it, while the chains of such a p are long.
+    """
+    q, r, shape = A.degree, A.size, (A.size, A.size)
+    *lower, leading = (DomainMatrix(rows, shape, A.field) for rows in A.elements)
+    inverse = leading.inv()
+    J = _shift(q * r, r)
+    J[(q - 1) * r :, :] = sympy.Matrix.hstack(*(A.ring.matrix((-(inverse * matrix)).to_list()) for matrix in lower))
+    C, B = sympy.eye(r, q * r), sympy.Matrix.vstack(sympy.zeros((q - 1) * r, r), A.ring.matrix(inverse.to_list()))
+    return Block("companion", p, 1, None, *(matrix.as_immutable() for matrix in (C, J, B)))
+
+
+def _shift(size: int, by: int) -> sympy.Matrix:
+    """Ones next to the diagonal blocks."""
+    return sympy.Matrix(size, size, lambda i, j: int(j == i + by))
+
+
+def must_not_vanish(field: Domain, values: Iterable) -> tuple[sympy.Expr, ...]:
+    """The irreducible factors of all numerators and denominators that vanish for some positive symbols, in order of length."""
+    if not field.is_FractionField:
+        return ()
+    ring, is_definite = field.get_ring(), {}
+    for value in values:
+        for part in (field.numer(value), field.denom(value)):
+            for factor, _ in part.factor_list()[1]:
+                if factor not in is_definite:
+                    is_definite[factor] = sign(field, field.convert(factor, ring)) in (1, -1)
+    doubtful = [ring.to_sympy(factor) for factor, definite_sign in is_definite.items() if not definite_sign]
+    return tuple(sorted(doubtful, key=lambda e: (sympy.count_ops(e), str(e))))
+
+
+def _resultant(p: sympy.Poly, other: sympy.Poly):
+    """Resultant of two Polys over the field, an element of it: zero where they have a common zero."""
+    return p.domain.from_sympy(p.resultant(other))

@@ -12,12 +12,12 @@ import scipy
 
 from ...ground.by_name import answering
 from ...ground.checks import check_known, counted, optional_package, places_of, real_array, real_number, whole_number
-from ...ground.coordinate_units import density_unit
 from ...ground.display import Pictured, TextTable, notice_table, number_text
 from ...ground.errors import InputError
 from ...ground.named_arrays import named_array
 from ...ground.notices import Notice, NoticeKind
 from ...ground.tolerances import CLUSTER_SAFETY, EPS, FLOAT64_DIGITS, NOISE_SAFETY, PROVED_ACCURACY, REPORTED_ERROR, TRUST_LIMIT
+from ...ground.units import density_unit
 from ...linalg import lapack
 from ...linalg.precise import relative_degrees
 from ...polynomial.polynomial_matrix import PolynomialMatrix

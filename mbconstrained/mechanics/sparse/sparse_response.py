@@ -20,9 +20,9 @@ import numpy as np
 
 from ...frequency.harmonic import Harmonic, LeftOut
 from ...ground.checks import real_array
-from ...ground.coordinate_units import force_unit, ratio_unit
 from ...ground.errors import InputError
 from ...ground.tolerances import EPS
+from ...ground.units import force_unit, ratio_unit
 from ...linalg.division import accurate_product
 from ...polynomial.polynomial_matrix import PolynomialMatrix
 from ..channels import Output, chosen_by_name

@@ -17,10 +17,10 @@ import numpy as np
 
 from ...frequency.plots import draw_branch
 from ...ground.checks import counted, real_array, whole_number
-from ...ground.coordinate_units import rate_unit
 from ...ground.display import Displayed, TextTable, number_text
 from ...ground.errors import InputError, MbconstrainedError, NotUnique, within_float64
 from ...ground.tolerances import CLOSED_ORBIT, EPS, FREQUENCY_DIFFERENCE, LOCATED_CHANGE, SHORTEST_STEP, UNDETERMINED
+from ...ground.units import rate_unit
 from ...signals.inputs import harmonic
 from ..harmonic_sums import complex_amplitudes
 from .periodic import Orbit, PeriodicMotion, PeriodMap, cleared, forced_orbit, newton, start_of

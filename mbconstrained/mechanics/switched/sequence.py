@@ -619,6 +619,6 @@ def _named_impulses(phase: Phase, reactions) -> dict[str, list[float]]:
 
 
 def _impulse_unit(unit: str, order: int) -> str:
-    from ...ground.coordinate_units import force_unit, impulse_unit
+    from ...ground.units import force_unit, impulse_unit
 
     return impulse_unit(force_unit(unit), order)

@@ -13,11 +13,11 @@ import numpy as np
 
 from ...ground.by_name import Public
 from ...ground.checks import counted
-from ...ground.coordinate_units import force_unit, impulse_unit
 from ...ground.display import TextTable, notice_table, with_unit
 from ...ground.errors import InputError
 from ...ground.notices import Evidence, Notice, NoticeKind, distinct
 from ...ground.tolerances import EPS, TRUST_LIMIT
+from ...ground.units import force_unit, impulse_unit
 from ...linalg.exponential import block_states
 from ...response.choose import Method
 from ...response.events import Event

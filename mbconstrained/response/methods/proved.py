@@ -169,9 +169,9 @@ class ProvedFunction(BohlFunction):
         if not len(doubtful):
             return doubtful
         flow = self.defect.flow
-        if not flow.jumping and flow.impulsive is None and self.order < len(flow.initial) and not flow.initial[self.order].any():
+        if not flow.jumping and flow.impulsive is None and self._starts_at_zero:
             at_start = doubtful[times[doubtful] == 0]
-            values[:, at_start] = errors[at_start] = 0.0  # as given
+            values[:, at_start] = errors[at_start] = 0.0
             doubtful = doubtful[times[doubtful] > 0]
         if not len(doubtful) or times[doubtful].min() * flow.modal_rate >= LATER:
             return doubtful
@@ -184,6 +184,14 @@ class ProvedFunction(BohlFunction):
         values[:, early] = begun
         errors[early] = self.defect.of_series(self.rough.place, self.rough.order, times[early])
         return np.setdiff1d(doubtful, early[are_right(begun, errors[early])])
+
+    @property
+    def _starts_at_zero(self) -> bool:
+        """Whether all terms of the value at 0+ are zero: a velocity given as 0 is so only where the coordinate has mass."""
+        terms = np.abs(self.rough.flow.start_with_force)
+        for _ in range(self.order):
+            terms = abs(self.rough.flow.generator) @ terms
+        return not (abs(self.rough.place) @ terms).any()
 
     def _by_refined_modes(self, times: np.ndarray, sums: Callable, accuracy: float) -> tuple[np.ndarray, np.ndarray]:
         """Sums of refined modes, and bounds of their errors, with that of their rounding to float64."""

@@ -119,7 +119,10 @@ class RefinedModes:
             change = parts @ _eliminated(reduction, residual.values, poles.high, eliminated)
             others, rest = (_whole(part[at], leading[at], own.pairs, n) for part in (poles.high, poles.low))
             distance = (poles.high - others[:, None]) + (poles.low - rest[:, None])
-            turned = not turned and bool(groups := _mixed(change[of_modes][:, at], distance[of_modes][:, at], poles.high[at]))
+            is_pair = np.isin(of_modes, own.pairs)
+            turned = not turned and bool(
+                groups := _mixed(change[of_modes][:, at], distance[of_modes][:, at], poles.high[at], is_pair)
+            )
             if turned:  # the next step corrects the combined modes
                 high, low = poles.high.copy(), poles.low.copy()
                 for group, values, turn in groups:
@@ -318,8 +321,10 @@ class _Separated:
         return cls(np.concatenate(poles), np.concatenate(pairs), turn, block_diag(*map(np.linalg.inv, turns)))
 
 
-def _mixed(change: np.ndarray, distance: np.ndarray, poles: np.ndarray) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:
-    """Groups of modes that are not yet separate, their poles relative to the first one's, and the combinations that separate them."""
+def _mixed(
+    change: np.ndarray, distance: np.ndarray, poles: np.ndarray, is_pair: np.ndarray
+) -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:
+    """Groups of pairs that are not yet separate, their poles relative to the first one's, and the combinations that separate them."""
     size = np.sqrt(np.abs(change * change.T))
     mixed = ~(size < SMALL_RESIDUAL * np.abs(distance)) & (size > MIXING_CHANGE * np.abs(poles))
     np.fill_diagonal(mixed, False)
@@ -328,8 +333,7 @@ def _mixed(change: np.ndarray, distance: np.ndarray, poles: np.ndarray) -> list[
     result, which = [], scipy.sparse.csgraph.connected_components(scipy.sparse.csr_array(mixed), directed=False)[1]
     for number in range(which.max() + 1):
         group = np.flatnonzero(which == number)
-        real = poles[group].imag == 0
-        if len(group) < 2 or real.any():
+        if len(group) < 2 or not is_pair[group].all():
             continue
         values, turn = np.linalg.eig(np.diag(distance[group[0], group]) - change[np.ix_(group, group)])
         if np.linalg.cond(turn) < SEPARATE:

@@ -15,10 +15,10 @@ from xml.etree.ElementTree import Element, SubElement
 import numpy as np
 
 from ...ground.checks import nearest
-from ...ground.coordinate_units import GROUND
 from ...ground.errors import InputError
 from ...ground.notices import Notice, NoticeKind
 from ...ground.tolerances import RIGHT_ANGLE
+from ...ground.units import GROUND
 from ..connections import Bushing, Loop, LoopKind
 from ..flexible_joint import Motor
 from ..kinematics import directions_across

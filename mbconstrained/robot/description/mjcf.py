@@ -21,10 +21,10 @@ from xml.etree.ElementTree import Element
 import numpy as np
 
 from ...ground.checks import counted, listed
-from ...ground.coordinate_units import GROUND
 from ...ground.errors import InputError
 from ...ground.files import isolated
 from ...ground.notices import Notice, NoticeKind
+from ...ground.units import GROUND
 from ..connections import Bushing, Loop, Segment, Tendon
 from ..flexible_joint import Motor
 from ..kinematics import MOST_COORDINATES

@@ -15,9 +15,9 @@ from xml.etree.ElementTree import Element, SubElement
 import numpy as np
 
 from ...ground.checks import nearest
-from ...ground.coordinate_units import GROUND
 from ...ground.errors import InputError
 from ...ground.notices import Notice, NoticeKind
+from ...ground.units import GROUND
 from ..tangent import BASE, JointGear
 from .extensions import (
     WORLD,

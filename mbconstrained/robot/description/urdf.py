@@ -18,10 +18,10 @@ import numpy as np
 
 from ...ground.by_name import Public
 from ...ground.checks import listed, nearest, real_array, real_number
-from ...ground.coordinate_units import GROUND
 from ...ground.errors import InputError
 from ...ground.notices import Notice, NoticeKind
 from ...ground.tolerances import noise_of
+from ...ground.units import GROUND
 
 #: Kinds of joints with several degrees of freedom that have tangent coordinates here.
 SEVERAL = ("JointModelPlanar", "JointModelFreeFlyer", "JointModelSpherical", "JointModelTranslation")

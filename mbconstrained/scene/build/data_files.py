@@ -30,8 +30,6 @@ from ...ground.quantities import (
     unit_name,
     unit_of,
 )
-from ...signals.baseline import baseline as baseline_of
-from ...signals.baseline import integrals
 from ...signals.inputs import ImpulsiveSmooth, sampled
 from ..file import SceneFolder
 from ..quantities.coordinates import force_value
@@ -276,8 +274,9 @@ class _Abscissa:
 
 def _without_baseline(times, values, unit: str, degree: str, fit: str) -> tuple[np.ndarray, str]:
     """The values without their baseline, and a sentence on its size and its effect."""
-    line = baseline_of(times, values, degree, fit)
-    removed = line(times)
+    from ...exchange.samples import baseline, integrals
+
+    removed = baseline(times, values, degree, fit)(times)
     most, peak = np.abs(removed).max(), np.abs(values).max()
     share = f" ({most / peak:.2g} of the largest value)" if peak else ""
     fitted = "record" if fit == "record" else "integral of the record"

@@ -10,11 +10,11 @@ import numpy as np
 
 from ...frequency.extrema import extrema
 from ...ground.checks import counted
-from ...ground.coordinate_units import force_unit, rate_unit
 from ...ground.display import TextTable, number_text, with_unit
 from ...ground.errors import InputError
 from ...ground.notices import Notice, doubts_of
 from ...ground.tolerances import NOT_DRAWN
+from ...ground.units import force_unit, rate_unit
 from ...mechanics.channels import channels
 from ...mechanics.input_shaper import InputShaper
 from ..file import at

@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, get_args
 import numpy as np
 
 from ...ground.checks import counted, nearest
-from ...ground.coordinate_units import GROUND
 from ...ground.display import TextTable
 from ...ground.errors import InputError
 from ...ground.notices import Notice, NoticeKind
 from ...ground.quantities import Dimension, dimension, unit_of
+from ...ground.units import GROUND
 from ...mechanics.channels import MOTIONS, Output, OutputNames
 from ...polynomial.polynomial_matrix import PolynomialMatrix
 from ...polynomial.reduced_equations import Reduction

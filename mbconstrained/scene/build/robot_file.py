@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 
 from ...ground.by_name import answering
 from ...ground.checks import listed, nearest
-from ...ground.coordinate_units import GROUND
 from ...ground.errors import InputError, named, shown
 from ...ground.files import path_of
 from ...ground.quantities import count_texts, quantity
+from ...ground.units import GROUND
 from ..file import ROBOT_FILE, EntryError, at, inside, robot_tables
 from ..schema.entry_types import validated
 

@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...ground.checks import listed
-from ...ground.coordinate_units import GROUND, force_unit
 from ...ground.display import TextTable, number_text, with_unit
 from ...ground.errors import InputError, shown
 from ...ground.notices import Notice, NoticeKind
 from ...ground.tolerances import JOINT_LIMIT
+from ...ground.units import GROUND, force_unit
 from ...signals.bohl import BohlFunction
 from ..file import SceneName, at, robot_name, robot_path
 from ..quantities.coordinates import Coordinates

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...ground.checks import counted, nearest
-from ...ground.coordinate_units import force_unit, rate_unit
 from ...ground.errors import InputError, shown
 from ...ground.notices import Notice, NoticeKind
 from ...ground.quantities import quantity
 from ...ground.tolerances import EPS, noise_of
+from ...ground.units import force_unit, rate_unit
 from ...signals.impulsive import ImpulsiveSmooth
 from ..file import at
 

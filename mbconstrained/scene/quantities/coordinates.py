@@ -9,12 +9,11 @@ from typing import Any
 import numpy as np
 
 from ...ground.checks import nearest
-from ...ground.coordinate_units import DERIVATIVES, rate_unit
 from ...ground.display import with_unit
 from ...ground.errors import InputError, named, shown
 from ...ground.quantities import dimension, meant, quantity, unit_name
 from ...ground.tolerances import noise_of
-from ...ground.units import unit_in_si
+from ...ground.units import DERIVATIVES, rate_unit, unit_in_si
 from ...models.elements import row_in_si
 from ..file import EntryError, at
 

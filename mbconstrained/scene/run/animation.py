@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...ground.coordinate_units import force_unit, impulse_unit
 from ...ground.display import number_text, with_unit
 from ...ground.tolerances import NOT_DRAWN
+from ...ground.units import force_unit, impulse_unit
 from ...page.animation import MOST_FRAMES, Animation, Arrow, DrawnEvent, ForceArrows, ImpulseArrow, Overlay, arrow_at
 from ...page.drawing import Drawing, DrawnLink
 from ...response.events import Event

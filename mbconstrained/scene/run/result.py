@@ -21,10 +21,10 @@ from ...frequency.extrema import (
     root_mean_squares,
     sampled_extrema,
 )
-from ...ground.coordinate_units import derivative_name, force_unit, impulse_unit, rate_unit
 from ...ground.display import number_text
 from ...ground.notices import Notice, NoticeKind
 from ...ground.tolerances import NOT_DRAWN
+from ...ground.units import derivative_name, force_unit, impulse_unit, rate_unit
 from ...linalg.blocks import block_slices, zeros_of
 from ...mechanics.boundary import BoundaryResponse
 from ...mechanics.channels import Output, OutputNames, closed_form

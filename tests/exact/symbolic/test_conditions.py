@@ -3,9 +3,16 @@
 import pytest
 import sympy
 
-from mbconstrained.exact.symbolic.inverse_transform import ResponseTransform, force_sources, initial_sources, initial_symbols
 from mbconstrained.exact.symbolic.symbolic_matrix import SymbolicPolynomialMatrix
-from mbconstrained.exact.symbolic.symbolic_response import continuity_equations, impulse_equations, solve_symbolically
+from mbconstrained.exact.symbolic.symbolic_response import (
+    ResponseTransform,
+    continuity_equations,
+    force_sources,
+    impulse_equations,
+    initial_sources,
+    initial_symbols,
+    solve_symbolically,
+)
 from tests.exact.symbolic.models import (
     DAMPED,
     FREE_AND_DECAYING,

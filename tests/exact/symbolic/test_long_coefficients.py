@@ -7,8 +7,8 @@ import sympy
 
 from mbconstrained.exact.engine import series_at_infinity
 from mbconstrained.exact.symbolic.fields import element, field_of
-from mbconstrained.exact.symbolic.symbolic_matrix import SymbolicPolynomialMatrix
-from mbconstrained.exact.symbolic.symbolic_pairs import SymbolicRing, combination, inverse_modulo
+from mbconstrained.exact.symbolic.radicals import combination
+from mbconstrained.exact.symbolic.symbolic_matrix import SymbolicPolynomialMatrix, SymbolicRing, inverse_modulo
 from mbconstrained.exact.symbolic.symbolic_response import solve_symbolically
 from tests.exact.symbolic.gallery import s
 from tests.exact.symbolic.models import c, c1, c2, k1, k2

@@ -7,8 +7,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mbconstrained.exact.symbolic.fields import (
-    Surd,
-    compact_expression,
     element,
     field_of,
     root_expression,
@@ -16,7 +14,8 @@ from mbconstrained.exact.symbolic.fields import (
     sign_with_root,
     square_root,
 )
-from mbconstrained.exact.symbolic.symbolic_pairs import inverse_modulo, roots
+from mbconstrained.exact.symbolic.radicals import Surd, compact_expression, roots
+from mbconstrained.exact.symbolic.symbolic_matrix import inverse_modulo
 from tests.exact.symbolic.gallery import s
 
 DIGITS = 40

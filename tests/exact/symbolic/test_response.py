@@ -10,9 +10,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import mbconstrained as mb
-from mbconstrained.exact.symbolic.inverse_transform import ResponseTransform, force_sources, initial_sources, initial_symbols
 from mbconstrained.exact.symbolic.symbolic_matrix import SymbolicPolynomialMatrix
-from mbconstrained.exact.symbolic.symbolic_response import solve_symbolically
+from mbconstrained.exact.symbolic.symbolic_response import (
+    ResponseTransform,
+    force_sources,
+    initial_sources,
+    initial_symbols,
+    solve_symbolically,
+)
 from tests.exact.symbolic.laplace import at_infinity, inverted
 from tests.exact.symbolic.models import (
     DAMPED,

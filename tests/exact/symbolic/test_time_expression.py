@@ -5,7 +5,7 @@ import pytest
 import sympy
 
 import mbconstrained as mb
-from mbconstrained.exact.symbolic.inverse_transform import time_expression
+from mbconstrained.exact.symbolic.symbolic_response import time_expression
 
 t, s = sympy.Symbol("t", real=True), sympy.Symbol("s")
 m, k, c, w, k1, k2, m1, m2, alpha, beta = sympy.symbols("m k c w k1 k2 m1 m2 alpha beta", positive=True)

@@ -7,7 +7,7 @@ import pytest
 import sympy
 
 import mbconstrained as mb
-from mbconstrained.exact.symbolic.inverse_transform import terms_of, transform_of
+from mbconstrained.exact.symbolic.symbolic_response import terms_of, transform_of
 
 t, s = sympy.symbols("t s")
 F, w, p, a, k, m, t0 = sympy.symbols("F w p a k m t0", positive=True)

@@ -8,8 +8,7 @@ from __future__ import annotations
 
 import sympy
 
-from mbconstrained.exact.symbolic.symbolic_matrix import SymbolicPolynomialMatrix
-from mbconstrained.exact.symbolic.symbolic_pairs import Block
+from mbconstrained.exact.symbolic.symbolic_matrix import Block, SymbolicPolynomialMatrix
 from tests.oracles.papers.matrix_exponentials import (
     block_functions,
     exponential_of_jordan_block,

@@ -12,8 +12,8 @@ from collections.abc import Mapping, Sequence
 import sympy
 
 from mbconstrained.exact.symbolic.fields import field_of
-from mbconstrained.exact.symbolic.inverse_transform import Quotient, regular_parts
 from mbconstrained.exact.symbolic.symbolic_matrix import S
+from mbconstrained.exact.symbolic.symbolic_response import Quotient, regular_parts
 
 
 def exponential_of_jordan_block(zero, size: int, t) -> sympy.Matrix:

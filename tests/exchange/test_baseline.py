@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from mbconstrained.exchange.samples import DEGREES, baseline, integrals
 from mbconstrained.ground.errors import InputError
-from mbconstrained.signals.baseline import DEGREES, baseline, integrals
 
 RNG = np.random.default_rng(36)
 TIMES = np.cumsum(RNG.uniform(0.005, 0.02, 400)) + 3.0  # uneven, and not from 0 on
