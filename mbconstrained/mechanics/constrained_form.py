@@ -101,7 +101,8 @@ def constrained_form(
     equations += [f"constraint {row.name}" for row in independent.rows]
     values = np.array([row.value for row in independent.rows])
     matrix = PolynomialMatrix(coefficients, names, equations, doubt)
-    notices = tuple(_cancelled(coefficients, doubts, equations, names)) if doubt is None and doubts.any() else ()
+    are_doubtful = doubt is None and ((doubts >= DOUBTFUL_SUM[0]) & (doubts < DOUBTFUL_SUM[1])).any()
+    notices = tuple(_cancelled(coefficients, doubts, equations, names)) if are_doubtful else ()
     return ConstrainedForm(V, A, values, matrix, notices, right_sides(independent.rows))
 
 

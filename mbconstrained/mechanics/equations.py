@@ -187,8 +187,9 @@ class EquationsOfMotion(Pictured):
         return system
 
     def _independent_rows(self) -> IndependentRows:
+        rows = constraint_rows(self.constraints, self.units) if self.constraints else ()
         with short_work(2 * self.size):
-            return independent_rows(constraint_rows(self.constraints, self.units), self.size)
+            return independent_rows(rows, self.size)
 
     @property
     def size(self) -> int:

@@ -111,6 +111,8 @@ class Element(Public):
     end_count: ClassVar[int] = 0  # how many different bodies it joins, at least
     symbol: ClassVar[Any] = None  # in the drawing, a kind of link or "gear"; None where it has none
     has_coordinates: ClassVar[bool] = False  # whether it is a body, or has some
+    parts: ClassVar[tuple[Element, ...]] = ()  # the elements that are added with it
+    weighing: ClassVar[Mapping[str, float]] = {}  # the masses (kg) that gravity acts on, by the coordinate along it
     # further keys of its table in scenes, each with the fields that it gives
     spellings: ClassVar[Mapping[str, tuple[str, ...]]] = {}
 
@@ -162,16 +164,6 @@ class Element(Public):
         return {getattr(self, name): unit for name, unit in _fields_of(type(self)).joins}
 
     @property
-    def parts(self) -> tuple[Element, ...]:
-        """The elements that are added with it."""
-        return ()
-
-    @property
-    def weighing(self) -> dict[str, float]:
-        """The masses (kg) that gravity acts on, by the coordinate along it."""
-        return {}
-
-    @property
     def default_names(self) -> Iterator[str]:
         """Names for an element without one, the first that is not in use to be chosen."""
         base = f"{self.kind} {'-'.join([str(getattr(self, name)) for name, _ in _fields_of(type(self)).joins[:2]])}"
@@ -198,7 +190,10 @@ def unchecked(kind: type, **values) -> Element:
 
 def with_parts(elements: Iterable[Element]) -> tuple[Element, ...]:
     """The elements, each followed by its parts."""
-    return tuple(one for element in elements for one in (element, *element.parts))
+    result: list[Element] = []
+    for element in elements:
+        result += (element, *element.parts)
+    return tuple(result)
 
 
 # Bodies: the elements that have a coordinate, named as they are.
@@ -211,7 +206,7 @@ class Body(Element):
     name: Annotated[str, "The name of the body and of its coordinate."] = field()
 
     has_coordinates = True
-    unit = property(lambda self: "m")
+    unit: ClassVar[str] = "m"
 
     @property
     def constant(self) -> float:
@@ -219,7 +214,8 @@ class Body(Element):
         return getattr(self, self.kind, 0.0)
 
     def __post_init__(self):
-        if not isinstance(self, Node) and isinstance(self.constant, (int, float)) and self.constant == 0:
+        constant = self.constant
+        if isinstance(constant, (int, float)) and constant == 0 and not isinstance(self, Node):
             node = "rotational node" if self.unit == "rad" else "node"
             raise InputError(f"{self.label}: found no {self.kind}; a point without {self.kind} is a {node}")
         super().__post_init__()
@@ -250,7 +246,7 @@ class Inertia(Body):
 
     inertia: Annotated[Real, Numeric("kg*m^2", "Its moment of inertia about the axis it turns about.", "positive")]
 
-    unit = property(lambda self: "rad")
+    unit = "rad"
 
 
 POINTS = "Points with their distances from the centre of mass along the bar; each is a coordinate, tied to the bar."
@@ -296,7 +292,7 @@ class RigidBar(Mass):
         return f"{self.name} angle"
 
     @property
-    def parts(self) -> tuple[Element, ...]:
+    def parts(self) -> tuple[Element, ...]:  # type: ignore[override]  # constant in other classes
         """The inertia of its angle, a node for each point, and the rows of the points."""
         rows = (
             unchecked(Relation, name=f"{point} on {self.name}", coefficients={point: 1.0, self.name: -1.0, self.angle: -distance})

@@ -290,8 +290,7 @@ class LumpedModel(Displayed):
         if turning:
             system.has_one_axis = False
             system.speed_tables, system.unbalance, system.whirl_matrix = turning.tables, turning.unbalance, turning.whirl
-        loss_factors = {element.name: vars(element).get("loss_factor", 0.0) for element in with_parts(elements)}
-        system.loss_factors = {name: factor for name, factor in loss_factors.items() if factor}
+        system.loss_factors = {one.name: eta for one in with_parts(elements) if (eta := vars(one).get("loss_factor"))}
         system.elements = ElementForces(elements, names)
         if not sparse and not (turning and turning.stiffness.any()):
             system.part_source = partial(_energy_parts, factors, names)
@@ -318,9 +317,10 @@ class LumpedModel(Displayed):
         elif not isinstance(name, str) or not name.strip():
             raise InputError(f"{element.kind}: found the name {name!r}; expected a text")
         parts, ends = element.parts, element.ends
-        self._check_names(element, [element.name, *(part.name for part in parts)])
+        self._check_names(element, [element.name, *[part.name for part in parts]])
         for name in ends:
-            self._check_body(element, name)
+            if name not in self._units:
+                self._check_body(element, name)
         if (settled := element.settled(self._units)) is not element:
             element, parts, ends = settled, settled.parts, settled.ends
         for name, unit in ends.items():
@@ -338,8 +338,11 @@ class LumpedModel(Displayed):
         if isinstance(element, Release):
             self._check_release(element)
         self._elements[element.name] = element
-        self._units |= {body.name: body.unit for body in (element, *parts) if isinstance(body, Body)}
-        self._parts.update((part.name, part) for part in parts)
+        for part in parts:
+            self._parts[part.name] = part
+        for body in (element, *parts):
+            if isinstance(body, Body):
+                self._units[body.name] = body.unit
         return element
 
     def _check_release(self, release: Release) -> None:
