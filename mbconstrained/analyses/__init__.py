@@ -28,7 +28,7 @@ ANALYSES = {
     "formula": ("formula", "The formula of each coordinate, with parameters as symbols."),
     "compare": ("compare", "Run scenes, or one with several values, and overlay their curves."),
     "accuracy": ("accuracy.accuracy", "Error against run time, compared with other tools."),
-    "stability": ("stability.stability", "Correct, expected and claimed digits over decades."),
+    "stability": ("stability", "Correct, expected and claimed digits over decades."),
     "sweep": ("sweep.sweep", "Vary parameters: grids, Monte Carlo, statistics, Sobol indices."),
     "optimise": ("sweep.optimisation", "Find the values of parameters that make a figure least or largest."),
 }

@@ -11,7 +11,6 @@ import numpy as np
 
 from ..ground.display import TextTable, number_text, with_unit
 from ..ground.units import rate_unit
-from ..mechanics.energy import EnergyShares
 from ..response.events import Event
 from ..response.response_notices import counts
 from ..scene.quantities.coordinates import Coordinates, OutputUnits
@@ -55,7 +54,7 @@ def tables_of(result: Result, certificate: Certificate | None, frequency: Freque
     ]
     details = [
         *of_model.details,
-        *([_constraint_table(getattr(result.motion, "_constraint_rows", result.rows), shown)] if system else []),
+        *([_constraint_table(result.motion._constraint_rows if result.is_switched else result.rows, shown)] if system else []),
         eigenvalue_table(result),
         _evidence_table(result, of_model.evidence),
     ]
@@ -112,9 +111,15 @@ def frequency_table(result: Result) -> TextTable:
             "No natural frequencies: nothing oscillates",
             {"eigenvalue (1/s)": f"{result.scene.equations.root_name} (1/s)"},
         )
-    counts = _shape_counts(result)
-    remarks = [_remark(row, count) for row, count in zip(rows, counts)]
-    cells = [(number, *(row[column] for column in columns), remark) for number, row, remark in zip(_numbers(counts), rows, remarks)]
+    cells = []
+    for row, (number, count) in zip(rows, _shape_numbers(result)):
+        multiplicity, kind = row["multiplicity"], row["kind"]
+        if kind == "rigid body" and multiplicity == str(2 * count):  # each rigid-body motion is a double eigenvalue 0
+            remark = REMARKS[kind] if count == 1 else f"{count} rigid-body motions"
+        else:
+            remark = REMARKS.get(kind, row["meaning"]) if kind != "growth" or row["frequency (Hz)"] else row["meaning"]
+            remark = ", ".join(filter(None, (remark, f"{multiplicity} times" if multiplicity != "1" else "")))
+        cells.append((number, *(row[column] for column in columns), remark))
     width = len(columns) + 1 + any(row[-1] for row in cells)
     return TextTable(
         title,
@@ -124,26 +129,10 @@ def frequency_table(result: Result) -> TextTable:
     )
 
 
-def _remark(row: dict[str, str], count: int) -> str:
-    """Remark on an eigenvalue with this number of shapes: each rigid-body motion is a double eigenvalue 0."""
-    if row["kind"] == "rigid body" and row["multiplicity"] == str(2 * count):
-        return REMARKS[row["kind"]] if count == 1 else f"{count} rigid-body motions"
-    remark = REMARKS.get(row["kind"], row["meaning"])
-    if row["kind"] == "growth" and not row["frequency (Hz)"]:
-        remark = row["meaning"]
-    times = f"{row['multiplicity']} times" if row["multiplicity"] != "1" else ""
-    return ", ".join(filter(None, (remark, times)))
-
-
-def _shape_counts(result: Result) -> list[int]:
-    """The number of shapes of each eigenvalue, 1 where there are none."""
-    return [max(1, mode.shapes.shape[1]) for mode in result.modes] if result.system else [1] * len(result.finite_pair.zeros)
-
-
-def _numbers(counts: list[int]) -> list[str]:
-    """The numbers of the shapes of each eigenvalue in the list of modes."""
-    ends = np.cumsum(counts)
-    return [str(end) if count == 1 else f"{end - count + 1}–{end}" for count, end in zip(counts, ends)]
+def _shape_numbers(result: Result) -> list[tuple[str, int]]:
+    """The numbers of the shapes of each eigenvalue in the list of modes, and how many they are, 1 where there are none."""
+    counts = [max(1, mode.shapes.shape[1]) for mode in result.modes] if result.system else [1] * len(result.finite_pair.zeros)
+    return [(str(end) if count == 1 else f"{end - count + 1}–{end}", count) for count, end in zip(counts, np.cumsum(counts))]
 
 
 #: Parts of a mode with the largest shares of energy that the table of eigenvalues names, and the list of modes; JSON has all.
@@ -165,20 +154,14 @@ def eigenvalue_table(result: Result) -> TextTable:
             row["multiplicity"],
             row["kind"] if row["frequency (Hz)"] else row["meaning"],
         )
-        for number, row in zip(_numbers(_shape_counts(result)), result.eigenvalue_rows)
+        for (number, _), row in zip(_shape_numbers(result), result.eigenvalue_rows)
     ]
     if result.system:
         columns += ["kinetic energy", "strain energy"]
-        cells = [(*row, *_largest_shares(shares)) for row, shares in zip(cells, result.modes.shares)]
+        for place, shares in enumerate(result.modes.shares):  # those of the first of several shapes
+            parts = (shares[0].kinetic, shares[0].strain) if shares else ({}, {})
+            cells[place] += tuple(", ".join(share_entries(part, MOST_PARTS)) for part in parts)
     return TextTable(f"{word.capitalize()}s", tuple(columns), tuple(cells), switching.note if switching else "")
-
-
-def _largest_shares(shares: Sequence[EnergyShares]) -> tuple[str, str]:
-    """The parts with most kinetic and most strain energy, of the first of several shapes."""
-    if not shares:
-        return "", ""
-    first = shares[0]
-    return ", ".join(share_entries(first.kinetic, MOST_PARTS)), ", ".join(share_entries(first.strain, MOST_PARTS))
 
 
 def share_entries(shares: Mapping[str, float] | None, most: int = MOST_SHARES) -> list[str]:
@@ -189,7 +172,7 @@ def share_entries(shares: Mapping[str, float] | None, most: int = MOST_SHARES) -
     """
     if shares is None:
         return ["none"]
-    names, numbers = list(shares), list(shares.values())
+    names, numbers = [*shares.keys()], [*shares.values()]
     sizes = np.abs(numbers)
     least = max(np.sort(sizes)[-most:].min(initial=np.inf) * 0.999, LEAST_SHARE)  # the order of texts takes long
     listed = sorted(np.flatnonzero(sizes >= least).tolist(), key=lambda k: descending(numbers[k]))[:most]

@@ -37,7 +37,9 @@ from ..scene.build.model import Equations
 from ..scene.build.robot_model import RobotEquations, RobotScene
 from ..scene.file import SceneName
 from ..scene.quantities.coordinates import Coordinates
+from ..scene.run.drawing import check_drawing
 from ..scene.run.scene import Scene, check_output
+from ..scene.run.scene_data import UNWRITTEN
 from ..scene.run.stages import plan_of
 from ..scene.schema.entry_types import Table, validated
 from ..scene.schema.model_tables import MatricesTable
@@ -111,7 +113,8 @@ def _scene(
     drawn = validated({} if drawing is None else {"drawing": drawing}, "write_page", _DrawnAnswer).drawing
     table = SceneFile.model_construct(title=title, model=model, time=times, output=output, initial=InitialTable(), drawing=drawn)
     scene = Scene(Path("motion"), table, equations, 0, {}, file_name=SceneName("write_page"))
-    scene.check_drawing()
+    if scene.table.drawing:
+        check_drawing(scene)
     return scene
 
 
@@ -162,7 +165,7 @@ def write_page(answer: Response | Modes | Answer | Scene, path, **options) -> Pa
     elif options:
         raise InputError(f"{next(iter(options))}: a page of an answer takes no options; give them in its scene")
     if isinstance(answer, Scene):
-        answer = answer.unwritten().run()
+        answer = answer.with_output(**UNWRITTEN).run()
     if not isinstance(answer, Answer):
         expected = "expected a motion, modes, an answer or a scene, such as system.solve(...) or scene.frequency()"
         raise InputError(f"found an object of type {type(answer).__name__}; {expected}")
@@ -270,7 +273,7 @@ def _(answer: Answer) -> Iterable[Plot]:
 @plots.register
 def _(scene: Scene) -> Iterable[Plot]:
     """The plots of its run."""
-    return scene.unwritten().run().plots()
+    return scene.with_output(**UNWRITTEN).run().plots()
 
 
 @plots.register

@@ -18,10 +18,10 @@ from ..ground.errors import InputError, MbconstrainedError
 from ..ground.files import Replacements
 from ..ground.notices import Notice, NoticeKind, distinct, doubts_of
 from ..response.response_notices import counts
-from ..scene.run.plan import Costs, Plan, Stage
+from ..scene.run.plan import Plan
 from ..scene.run.result import Result, aliasing_notices, folded, with_units
 from ..scene.run.scene import Scene
-from ..scene.run.stages import is_animated, plan_of, steps_of, still, too_large_for_formula
+from ..scene.run.stages import is_animated, still, too_large_for_formula
 from .base import Answer, formats_of, write_pictures
 from .motion_report import LARGEST, tables_of
 
@@ -40,20 +40,6 @@ NOTHING_MOVES = "nothing moves: zero initial conditions and no excitation"
 FORMATS = {"excel": ".excel.csv", "mat": ".mat", "netcdf": ".nc", "zarr": ".zarr", "uff": ".uff"}
 
 
-def run_scene(scene: Scene, folder: Path | None, progress: Callable[[Stage], None] | None, kind: type[RunAnswer]) -> RunAnswer:
-    """Run the needed stages one after another and measure each."""
-    answer = kind(scene, plan_of(scene, writing=folder is not None), folder)
-    with answer.writing_together():
-        for step, stage in zip(steps_of(scene), answer.plan.stages):
-            if stage.needed and step.work:
-                if progress:
-                    progress(stage)
-                costs = Costs()
-                step.work(answer)
-                answer.plan = answer.plan.with_costs({step.name: costs.lap(step.name)})
-    return answer
-
-
 class RunAnswer(Result, Answer):
     """The answer to a scene, whose parts are computed at their first use; the plan lists them."""
 
@@ -61,6 +47,11 @@ class RunAnswer(Result, Answer):
 
     def __init__(self, scene: Scene, plan: Plan, folder: Path | None = None):
         Result.__init__(self, scene)
+        vars(self).update(title=scene.title, source=scene.table.source)  # of a frozen dataclass
+        if not scene.table.output.certify:
+            self.certificate = None
+        if scene.table.frequency is None:
+            self.frequency = None
         self.plan = plan  # the stages with their costs
         self.folder = folder  # of the files
         self.files: list[Path] = []  # written files, in this order
@@ -77,14 +68,6 @@ class RunAnswer(Result, Answer):
     @property
     def name(self) -> str:
         return self.scene.name
-
-    @property
-    def title(self) -> str:
-        return self.scene.title
-
-    @property
-    def source(self) -> str:
-        return self.scene.table.source
 
     @property
     def heading(self) -> str:
@@ -130,9 +113,13 @@ class RunAnswer(Result, Answer):
         notices = self.motion._equation_notices if self.system else with_units(self.motion, equations.coordinates)
         accuracy = (one for kind, estimate in self.error_estimates.items() for one in doubts_of(f"the {kind}", estimate))
         proved = self.certificate.notices if self.certificate else ()
-        moves = np.ptp(self.values, axis=1).any() or any(notice.kind in (NoticeKind.JUMP, NoticeKind.IMPULSE) for notice in notices)
+        moves = np.ptp(np.asarray(self.values), axis=1).any() or any(
+            notice.kind in (NoticeKind.JUMP, NoticeKind.IMPULSE) for notice in notices
+        )
         of_frequency = (*self.frequency.scene.phase_notices, *self.frequency.response.notices) if self.frequency else ()
-        first = (*self.scene.notices, *self._omissions(), *proved, *of_frequency)
+        output = self.scene.table.output
+        omissions = self._omissions() if output.formula or output.still is not None else ()
+        first = (*self.scene.notices, *omissions, *proved, *of_frequency)
         at_rest = () if moves else (Notice(NoticeKind.AT_REST, NOTHING_MOVES),)
         aliased = aliasing_notices(self.scene, self.motion, len(self.times))
         of_modes = self.modes.notices if self.system is not None and self.system.delayed else ()
@@ -166,8 +153,6 @@ class RunAnswer(Result, Answer):
     @cached_property
     def certificate(self) -> Certificate | None:
         """The proved digits; None where not requested."""
-        if not self.scene.table.output.certify:
-            return None
         from ..scene.run.certificate import certificate_of
 
         return certificate_of(self)
@@ -196,8 +181,6 @@ class RunAnswer(Result, Answer):
     @cached_property
     def frequency(self) -> Frequency | None:
         """The frequency response; None where the scene has no [frequency]."""
-        if self.scene.table.frequency is None:
-            return None
         from .frequency import Frequency
 
         return Frequency(self.scene.in_phase())

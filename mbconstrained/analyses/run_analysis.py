@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from ..scene.run.plan import Costs, Stage
+from ..scene.run.stages import plan_of, steps_of
 from .base import Analysis
-from .run import RunAnswer, run_scene
+from .run import RunAnswer
 
 if TYPE_CHECKING:
     from ..scene.run.scene import Scene
@@ -21,9 +24,21 @@ class Run(Analysis):
     switches = "all"
 
     @classmethod
-    def answer(cls, scene: Scene, progress: Callable | None = None, *, folder: str | Path | None = None) -> RunAnswer:  # type: ignore[override]  # it has no settings
-        """The answer, written into a folder unless it is None."""
+    def answer(  # type: ignore[override]  # it has no settings
+        cls, scene: Scene, progress: Callable[[Stage], None] | None = None, *, folder: str | Path | None = None
+    ) -> RunAnswer:
+        """The answer, written into a folder unless it is None: the needed stages run one after another, and each is measured."""
         kind = RunAnswer
         if scene.table.time.step_domain == "discrete":
             from .discrete_run import DiscreteRunAnswer as kind  # loads state spaces and sequences in balls
-        return run_scene(scene, None if folder is None else Path(folder), progress, kind)
+        plan, costs = plan_of(scene, writing=folder is not None), Costs()
+        answer = kind(scene, plan, None if folder is None else Path(folder))
+        with nullcontext() if folder is None else answer.writing_together():
+            for step, stage in zip(steps_of(scene), plan.stages):
+                if stage.needed and step.work:
+                    if progress:
+                        progress(stage)
+                    step.work(answer)
+                    costs.lap(step.name)
+        answer.plan = plan.with_costs(costs.by_name)
+        return answer

@@ -1,6 +1,6 @@
 """The command mbconstrained; see ``mbconstrained --help``.
 
-Read ``answer`` (options, exit codes), ``commands``, then ``printing``. The room may import all others, when a command needs them.
+Read ``answer`` (options, exit codes, printing), then ``commands``. The room may import all others, when a command needs them.
 """
 
 from __future__ import annotations

@@ -31,10 +31,14 @@ from .answer import (
     SharedViewer,
     Verbose,
     answer,
+    bar_progress,
     leave,
     read,
     setting,
     several_values,
+    show,
+    show_text,
+    step_progress,
     viewer_of,
 )
 
@@ -163,7 +167,6 @@ class _Writing:
 
     def files(self, one: Answer, results: Results, output: OutputTable | None) -> int:
         from ..analyses.base import formats_of
-        from .printing import show
 
         usual = {*(self.analysis.formats or formats_of(output)), *(["pictures"] if self.plots else [])}
         formats = usual if self.page is None else {"page"} if self.page else set()
@@ -176,7 +179,6 @@ class _Writing:
         return FINE if one.is_trusted else NOT_TRUSTED
 
     def text(self, one: Answer, scene) -> int:
-        from .printing import show_text
 
         text = dumps(one.to_dict(), indent=2, allow_nan=False, ensure_ascii=False) if self.json else one.text
         if self.out:
@@ -290,7 +292,6 @@ def _value(given, flag: str, kind):
 
 def _progress(counted: str):
     """Context of a function that reports progress: of steps by name, else a bar of what is counted."""
-    from .printing import bar_progress, step_progress
 
     return step_progress() if counted == "steps" else bar_progress(counted) if counted else nullcontext()
 
@@ -342,7 +343,6 @@ Folder = Annotated[str, typer.Option("--out", metavar="DIR", help="Folder to wri
 def comparison(analysis):
     def run(scenes: Scenes, out: Folder = "", settings: Values = None, data_folder: DataFolders = None, json: Json = False) -> None:
         def work() -> int:
-            from .printing import show
 
             folder = Path(out or Path("results") / analysis.name)
             one, files = analysis.of_runs(dict(_runs(scenes, settings or (), data_folder or ())), folder)

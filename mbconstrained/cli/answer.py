@@ -1,8 +1,12 @@
-"""Common parts of all commands: options, reading of the scene, exit codes."""
+"""Common parts of all commands: options, reading of the scene, exit codes; printing of texts, tables, JSON and progress."""
 
 from __future__ import annotations
 
+import os
 import re
+import shutil
+import sys
+import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import cached_property
@@ -14,6 +18,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 if TYPE_CHECKING:
+    from ..ground.display import TextTable
+    from ..scene.run.plan import Stage
     from ..scene.run.scene import Scene
 
 ScenePath = Annotated[str, typer.Argument(metavar="SCENE", help="The scene file, a .toml.")]
@@ -155,7 +161,6 @@ def several_values(text: str) -> list[str]:
 def leave(name: str, json: bool, work: Callable[[], int | None]) -> None:
     """Do the work on a thing of this name, and leave with its exit code, None for 0, or that of its error."""
     from ..ground.errors import MbconstrainedError, SceneError
-    from .printing import show_error
 
     try:
         code = work() or FINE
@@ -195,3 +200,100 @@ def viewer_of(shared: bool, compressed: bool) -> str:
     if shared and compressed:
         raise typer.BadParameter("a viewer in a separate file is not compressed; leave out one of the two", param_hint="--compress")
     return "separate" if shared else "compressed" if compressed else ""
+
+
+# --- printing
+
+#: Narrower terminals are printed on as if they had this width.
+LEAST_WIDTH = 40
+
+#: Seconds between lines of progress where there is no terminal.
+LINE_AFTER = 30.0
+
+
+def show(json: bool, data: Callable[[], dict], blocks: Callable[[], Sequence[str | TextTable]]) -> None:
+    """Print an answer, as plain data or as texts and tables one below the other; nothing else is printed."""
+    if json:
+        show_text(dumps(data(), indent=2, allow_nan=False))
+    else:
+        from ..ground.display import TextTable, table_text, wrapped
+
+        width = line_width()
+        show_text(
+            "\n\n".join(table_text(each, width) if isinstance(each, TextTable) else wrapped(each, width) for each in blocks())
+        )
+
+
+def line_width() -> int:
+    """Letters on a line: of the terminal, where that is what is printed on, else 80."""
+    from ..ground.display import WIDTH
+
+    return max(shutil.get_terminal_size((WIDTH, 24)).columns, LEAST_WIDTH) if sys.stdout.isatty() else WIDTH
+
+
+def show_error(message: str, json: bool, code: int) -> int:
+    """Print a message, the only thing that is printed, and return the exit code."""
+    if json:
+        show(json, lambda: {"error": message, "exit_code": code}, list)
+    else:
+        print(message, file=sys.stderr)
+    return code
+
+
+def show_text(text: str) -> None:
+    """Print a text as it is; where the reader has gone (a closed pipe), be silent from then on."""
+    try:
+        print(text)
+        sys.stdout.flush()
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+@contextmanager
+def stage_progress() -> Iterator[Callable[[Stage], None] | None]:
+    """A line that names the running stage, in a terminal only."""
+    with step_progress() as report_step:
+        yield report_step and (lambda stage: report_step(stage.name))
+
+
+@contextmanager
+def step_progress() -> Iterator[Callable[[str], None] | None]:
+    """A line that names the step being done, in a terminal only."""
+    if not sys.stderr.isatty():
+        yield None
+        return
+    from rich.console import Console
+
+    with Console(stderr=True).status("") as status:
+        yield status.update
+
+
+@contextmanager
+def bar_progress(what: str) -> Iterator[Callable[[int, int], None]]:
+    """A bar with the remaining time, called with the numbers done and in all; outside a terminal a line every ``LINE_AFTER`` seconds."""
+    if not sys.stderr.isatty():
+        yield _line_progress(what)
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+    columns = (TextColumn(what), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+    with Progress(*columns, console=Console(stderr=True), transient=True) as progress:
+        task = progress.add_task(what, total=None)
+        yield lambda done, total: progress.update(task, completed=done, total=total)
+
+
+def _line_progress(what: str) -> Callable[[int, int], None]:
+    start, first, last = time.monotonic(), None, time.monotonic()
+
+    def report(done: int, total: int) -> None:
+        nonlocal first, last
+        first, now = done if first is None else first, time.monotonic()
+        if now - last < LINE_AFTER:
+            return
+        last = now
+        rate = (done - first) / (now - start)
+        left = f", about {(total - done) / rate / 60:.2g} min left" if rate else ""
+        print(f"{what}: {done:,} of {total:,}{left}", file=sys.stderr, flush=True)
+
+    return report

@@ -24,6 +24,10 @@ from .answer import (
     Verbose,
     answer,
     leave,
+    line_width,
+    show,
+    show_text,
+    stage_progress,
     viewer_of,
 )
 
@@ -107,14 +111,13 @@ def _run(
     With --certify the answer is compared with intervals that exact arithmetic proves to contain the true values, for the
     coordinates named in [output] certify or coordinates, or for all; how many digits are proved is printed and stands on the page."""
     from ..analyses.run import overview
-    from .printing import line_width, show, stage_progress
 
     viewer, moment = viewer_of(shared_viewer, compress), _moment(still)
 
     def work(loaded: Scene) -> int:
         loaded = loaded.certified() if certify else loaded
-        loaded = loaded.with_viewer(viewer) if viewer else loaded
-        loaded = loaded.with_plot_images() if plots else loaded
+        loaded = loaded.with_output(viewer=viewer) if viewer else loaded
+        loaded = loaded.with_output(plot_images=True) if plots else loaded
         loaded = loaded if moment is None else loaded.with_still(moment)
         results = Results(loaded.path, out)
         with results.replacing() as files:
@@ -143,8 +146,6 @@ def _plan(
     folder, so that writing counts too, and removed; each stage is listed with its time and memory. Exit codes are those of run."""
     from tempfile import TemporaryDirectory
 
-    from .printing import show, stage_progress
-
     def work(loaded: Scene) -> int:
         if not run:
             plan = loaded.plan()
@@ -167,7 +168,6 @@ def _check(scene: ScenePath, settings: Settings = None, data_folder: DataFolders
 
     It lists unconstrained bodies and, where the start violates the constraints, the jumps and impulses at t = 0."""
     from ..ground.checks import counted
-    from .printing import show
 
     def work(loaded: Scene) -> None:
         from ..scene.run.result import start_notices
@@ -216,7 +216,6 @@ def _new(
 
     A file that is there is never overwritten. Change the values, and ask mbconstrained check whether all is right."""
     from .new import template_table, write_template
-    from .printing import show_text
 
     if not (listed or file):
         raise typer.BadParameter("give the name of the scene to write, e.g. two-masses.toml, or --list", param_hint="FILE")
@@ -243,7 +242,6 @@ def _schema(
 ) -> None:
     """Print the JSON Schema of scenes, or of a robot.toml: every key with description and unit, for completion and checks."""
     from ..scene.schema.scene_schema import EDITORS, schema_text
-    from .printing import show_text
 
     def work() -> None:
         if not out:

@@ -131,11 +131,7 @@ class ClosedForm:
         return expression.xreplace(self.defaults)
 
     def only(self, names: Sequence[str]) -> ClosedForm:
-        """The formula of some of the coordinates, in this order.
-
-        Raises:
-            InputError: no such coordinate.
-        """
+        """The formula of some of the coordinates, in this order; an InputError for one that it does not have."""
         if unknown := [name for name in names if name not in self.names]:
             raise InputError(f'there is no coordinate "{unknown[0]}"; the coordinates are {", ".join(self.names)}')
         values = tuple(self.values[self.names.index(name)] for name in names)
@@ -388,10 +384,7 @@ class Layout:
 
     @property
     def statements(self) -> dict[str, list[list[Part]]]:
-        """Jumps, impulses, conditions on the start and assumptions by kind, each in parts.
-
-        An assumption that follows from one about a sign is left out.
-        """
+        """Jumps, impulses, conditions on the start and assumptions by kind, each in parts; without assumptions that follow from a sign."""
         form = self.form
         known = {other for each in form.positive for other in (each, -each, sympy.expand(-each))}
         assumptions = [each for each in form.assumptions if each not in known and sympy.expand(each) not in known]

@@ -74,10 +74,7 @@ class ExactMatrix(Protocol):
         return eliminated(self.ring, self.adjugate, self.determinant, p, multiplicity) if multiplicity else []
 
     def infinite_root_polynomials(self) -> list[RootPolynomials]:
-        """Root polynomials of s^q A(1/s) at s = 0, q = max(degree, 1), ascending lengths; its adjugate and determinant are those of A reversed.
-
-        They are computed from the transposed matrix, so that an entry of each row psi is 1, as in Moysis et al., Eq. 97.
-        """
+        """Root polynomials of s^q A(1/s) at s = 0, q = max(degree, 1), ascending lengths, with an entry of each row psi 1 (Moysis et al., Eq. 97)."""
         ring, r, q = self.ring, self.size, max(self.degree, 1)
         s, multiplicity = ring.polynomial([ring.zero, ring.one]), q * r - self.determinant.degree()
         if not multiplicity:
@@ -125,30 +122,26 @@ def eliminated(ring: PolynomialRing, adjugate, determinant: Polynomial, p: Polyn
     k = multiplicity - common
     others = ring.inverse(determinant // p**multiplicity % p**k, p**k)
     rows = [[entry // p**common % p**k * others % p**k for entry in row] for row in adjugate]
-    terms: list[RootPolynomials] = []
+    steps = list(_elimination(ring, rows, p, k))
+    return [RootPolynomials(ring, p, k - a, right, lambda left=left: left, pivot) for a, right, left, pivot in reversed(steps)]
+
+
+def local_exponents(ring: PolynomialRing, rows, p: Polynomial, bound: int) -> tuple[int, ...]:
+    """The exponents of p among the elementary divisors of a matrix of polynomials, ascending, zeros too; all are below a bound."""
+    return tuple(a for a, *_ in _elimination(ring, [[entry % p**bound for entry in row] for row in rows], p, bound))
+
+
+def _elimination(ring: PolynomialRing, rows, p: Polynomial, k: int) -> Iterator[tuple[int, tuple, tuple, Polynomial]]:
+    """a_j, phi_j and psi_j of rows modulo p^k, and the unit of each pivot modulo p."""
     while place := _pivot(ring, rows, p):
         a, i, j = place
         modulus, below = p ** (k - a), p**a
         unit = rows[i][j] // below
         inverse = ring.inverse(unit, modulus)
-        right = [row[j] // below * inverse % modulus for row in rows]
+        right = tuple(row[j] // below * inverse % modulus for row in rows)
         left = tuple(entry // below for entry in rows[i])
         rows = [[entry - c * d % modulus * below for entry, d in zip(row, left)] for row, c in zip(rows, right)]
-        terms.append(RootPolynomials(ring, p, k - a, tuple(right), lambda left=left: left, unit % p))
-    return terms[::-1]
-
-
-def local_exponents(ring: PolynomialRing, rows, p: Polynomial, bound: int) -> tuple[int, ...]:
-    """The exponents of p among the elementary divisors of a matrix of polynomials, ascending, zeros too; all are below a bound."""
-    modulus, exponents = p**bound, []
-    rows = [[entry % modulus for entry in row] for row in rows]
-    while place := _pivot(ring, rows, p):
-        a, i, j = place
-        inverse = ring.inverse(rows[i][j] // p**a, modulus)
-        others = [(row, row[j] // p**a * inverse % modulus) for row in rows[:i] + rows[i + 1 :]]
-        rows = [[(entry - c * d) % modulus for entry, d in zip(row, rows[i])] for row, c in others]
-        exponents.append(a)
-    return tuple(exponents)
+        yield a, right, left, unit % p
 
 
 def _valuation(entry: Polynomial, p: Polynomial) -> int:
@@ -216,10 +209,7 @@ def slopes(ring: PolynomialRing, q: Polynomial, length: int) -> PowerSeries:
 
 
 def series_at_infinity(ring: PolynomialRing, numerator: Polynomial, denominator: Polynomial, highest: int) -> Iterator[Element]:
-    """h_highest, h_(highest - 1), ... of numerator / denominator = sum of h_i s^i near infinity, by long division.
-
-    d_n h_i = b_(n+i) - sum over j < n of d_j h_(n+i-j), where h_i = 0 above ``highest``.
-    """
+    """h_highest, h_(highest - 1), ... of numerator / denominator = sum of h_i s^i: d_n h_i = b_(n+i) - sum over j < n of d_j h_(n+i-j)."""
     n = denominator.degree()
     *lower, leading = ring.coefficients(denominator, n + 1)
     above = ring.coefficients(numerator, numerator.degree() + 1) if numerator else []
@@ -325,7 +315,7 @@ class NilpotentBlock:
     def __init__(self, term: RootPolynomials, length: int):
         self.length, ring = length, term.ring
         self.C = ring.matrix([ring.coefficients(entry, length) for entry in term.right])
-        self.J = ring.matrix([[ring.one if j == i + 1 else ring.zero for j in range(length)] for i in range(length)])
+        self.J = hypercompanion(ring, term.divisor, length)
         self.B = ring.matrix(list(zip(*(ring.coefficients(entry, length)[::-1] for entry in term.left))))
 
     def __repr__(self) -> str:
@@ -393,10 +383,14 @@ class ExactPair:
 class ElementaryDivisor:
     """The powers p^k of one irreducible polynomial p among the elementary divisors of A(s)."""
 
-    polynomial: object  # p, monic, irreducible over the field: Fractions, the lowest power first, or a Poly in s
-    exponents: tuple[int, ...]  # the k > 0, ascending: the partial multiplicities of each of the zeros of p
     ring: PolynomialRing = field(compare=False)
-    divisor: Polynomial = field(compare=False)
+    divisor: Polynomial
+    exponents: tuple[int, ...]  # the k > 0, ascending: the partial multiplicities of each of the zeros of p
+
+    @property
+    def polynomial(self) -> Any:
+        """p, monic, irreducible over the field: Fractions, the lowest power first, or a Poly in s."""
+        return self.ring.exported(self.divisor)
 
     def __repr__(self) -> str:
         return f"ElementaryDivisor({self.ring.text(self.divisor)}, exponents {self.exponents})"
@@ -508,7 +502,7 @@ class ExactJordanPairs:
             finite_zeros=ring.finite_zeros(divisors),
             infinite_divisors=(*(0,) * (A.size - len(at_infinity)), *at_infinity),
             determinant=ring.exported(A.determinant),
-            elementary_divisors=tuple(ElementaryDivisor(ring.exported(p), exponents, ring, p) for p, _, exponents in divisors),
+            elementary_divisors=tuple(ElementaryDivisor(ring, p, exponents) for p, _, exponents in divisors),
             ring=ring,
             assumptions=self.structure_assumptions(),
         )

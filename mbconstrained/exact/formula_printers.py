@@ -104,8 +104,8 @@ class Notation:
 
     def _print_Symbol(self, symbol, style="plain"):
         if symbol in self.starts:
-            return self._derivative(*self.starts[symbol]) + self.at_start
-        return self._factor(self.names.get(symbol, symbol.name))
+            return self._raw(self._derivative(*self.starts[symbol]) + self.at_start)
+        return self._raw(self._factor(self.names.get(symbol, symbol.name)))
 
     def _print_Mul(self, expr):
         joined = joined_roots(expr)
@@ -228,12 +228,7 @@ class TextPrinter(Notation, StrPrinter):
 
 
 def formula_text(form: ClosedForm, digits: int | None = None) -> str:
-    """x(t) as text: a line for each coordinate, or for each term of a long one, then what else belongs to it.
-
-    >>> t, k = sympy.symbols("t k", positive=True)
-    >>> print(formula_text(ClosedForm(("x1",), (2 * sympy.cos(sympy.sqrt(k) * t) / 3,), t)))
-    x1(t) = 2/3 cos(sqrt(k) t)
-    """
+    """x(t) as text: a line for each coordinate, or for each term of a long one, then what else belongs to it."""
     layout, printer, lines = laid_out(form, digits), TextPrinter(form), []
     for name, row in zip(form.names, layout.rows):
         first, others = printer.terms(row)
@@ -333,14 +328,7 @@ class FormulaPrinter(Notation, LatexPrinter):
 
 
 def latex(form: ClosedForm, digits: int | None = None) -> str:
-    r"""x(t) as an align* environment, for which a document needs the package amsmath.
-
-    >>> t, k = sympy.symbols("t k", positive=True)
-    >>> print(latex(ClosedForm(("x1",), (2 * sympy.cos(sympy.sqrt(k) * t) / 3,), t)))
-    \begin{align*}
-    x_{1}(t) &= \frac{2}{3} \cos{\left(\sqrt{k} t \right)}
-    \end{align*}
-    """
+    """x(t) as an align* environment, for which a document needs the package amsmath."""
     layout, printer = laid_out(form, digits), FormulaPrinter(form)
     lines = []
     for name, row in zip(form.names, layout.rows):
@@ -407,9 +395,6 @@ class MarkupPrinter(Notation, MathMLPresentationPrinter):
         if joined.is_Pow and joined.exp == sympy.S.Half:
             return self._print(joined)
         return super().parenthesize(item, level, strict)
-
-    def _print_Symbol(self, symbol, style="plain"):
-        return self._raw(super()._print_Symbol(symbol))
 
     def _decimal(self, mantissa: str, exponent: str) -> str:
         power = f"<mo>&#xB7;</mo><msup><mn>10</mn><mn>{exponent}</mn></msup>"

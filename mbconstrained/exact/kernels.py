@@ -44,9 +44,7 @@ def kernel_structure(A: PolynomialMatrix) -> ExactStructure:
         right_kernel=tuple(PolynomialVector.of(vector, A.coordinates) for vector in right),
         left_kernel=tuple(PolynomialVector.of(vector, A.equations) for vector in left),
         determinant=() if m == n else None,
-        elementary_divisors=tuple(
-            ElementaryDivisor(RATIONALS.exported(p), exponents, RATIONALS, p) for p, _, exponents in divisors
-        ),
+        elementary_divisors=tuple(ElementaryDivisor(RATIONALS, p, exponents) for p, _, exponents in divisors),
         ring=RATIONALS,
     )
 
@@ -66,18 +64,17 @@ def minimal_basis(matrix: RationalMatrix) -> list[np.ndarray]:
             reduced, _, rank = flint.fmpz_mat(candidates).transpose().rref()
             basis += [candidates[j] for j in pivots(reduced, rank) if j >= len(shifts)]
         degree += 1
-    return [np.array([Fraction(int(c)) for c in vector], dtype=object).reshape(-1, n) for vector in basis]
+    return [_fractions(vector).reshape(-1, n) for vector in basis]
 
 
 def _toeplitz(coefficients: list[flint.fmpz_mat], degree: int) -> flint.fmpz_mat:
     """The matrix of the coefficients of A(s) v(s) as functions of those of a v(s) of this degree."""
-    (m, n), q = (coefficients[0].nrows(), coefficients[0].ncols()), len(coefficients) - 1
-    rows: list[list] = [[0] * ((degree + 1) * n) for _ in range((q + degree + 1) * m)]
+    m, n, count = coefficients[0].nrows(), coefficients[0].ncols(), degree + 1
+    total = np.zeros(((len(coefficients) + degree) * m, count * n), dtype=object)
     for power, matrix in enumerate(coefficients):
-        for k in range(degree + 1):
-            for i, row in enumerate(matrix.tolist()):
-                rows[(power + k) * m + i][k * n : (k + 1) * n] = row
-    return flint.fmpz_mat(len(rows), (degree + 1) * n, [entry for row in rows for entry in row])
+        for k in range(count if total.size else 0):
+            total[(power + k) * m : (power + k + 1) * m, k * n : (k + 1) * n] = matrix.tolist()
+    return flint.fmpz_mat(*total.shape, total.ravel().tolist())
 
 
 def _minor_divisor(matrix: RationalMatrix) -> flint.fmpq_poly:
@@ -113,15 +110,12 @@ def whole_basis(matrix: RationalMatrix) -> list[np.ndarray]:
 
 def _null_space(matrix: np.ndarray) -> list[np.ndarray]:
     """A basis of the null space, vectors of whole numbers without a common divisor."""
-    reduced, rank = rational_matrix(matrix).rref()
-    places, basis = pivots(reduced, rank), []
-    for free in (column for column in range(matrix.shape[1]) if column not in places):
-        vector = np.full(matrix.shape[1], Fraction(0), dtype=object)
-        vector[free] = Fraction(1)
-        for row, pivot in enumerate(places):
-            vector[pivot] = -fraction(reduced[row, free])
-        basis.append(whole(vector))
-    return basis
+    null, nullity = rational_matrix(matrix).numer_denom()[0].nullspace()
+    return [whole(_fractions(vector)) for vector in null.transpose().tolist()[:nullity]]
+
+
+def _fractions(vector: Sequence[flint.fmpz]) -> np.ndarray:
+    return np.array([Fraction(int(c)) for c in vector], dtype=object)
 
 
 def whole(vector: np.ndarray) -> np.ndarray:

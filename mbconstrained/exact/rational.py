@@ -76,6 +76,14 @@ def fraction(number: flint.fmpq) -> Fraction:
     return Fraction(_InLowestTerms(flint.fmpq(number)))
 
 
+def value_at(matrices: Sequence, s):
+    """A_0 + A_1 s + ... by Horner's rule."""
+    *lower, value = matrices
+    for matrix in reversed(lower):
+        value = value * s + matrix
+    return value
+
+
 def polynomial(coefficients: Iterable) -> flint.fmpq_poly:
     """The polynomial with these coefficients, the lowest power first."""
     return flint.fmpq_poly([rational(number) for number in coefficients])
@@ -113,10 +121,7 @@ def interpolated(points: Sequence[int], values: flint.fmpz_mat) -> list[flint.fm
 
 
 def rounded_roots(p: flint.fmpz_poly) -> tuple[complex, ...]:
-    """The nearest float64 numbers to the real roots of an irreducible p and to those above the real axis.
-
-    A part that is zero is so exactly; one beyond the range of float64 is infinite.
-    """
+    """The nearest float64 numbers to the real roots of an irreducible p and to those above the real axis; a zero part is exact, one too large infinite."""
     if p.degree() == 1:
         return (complex(_float(-fraction(flint.fmpq(p[0], p[1])))),)
     precision = FIRST_PRECISION
@@ -367,11 +372,8 @@ class RationalMatrix(ExactMatrix):
         return max(self.whole_at(point).rank() for point in POINTS)
 
     def whole_at(self, point: int) -> flint.fmpz_mat:
-        """W at a whole number, by Horner's rule."""
-        value = self.whole[-1]
-        for matrix in self.whole[-2::-1]:
-            value = value * point + matrix
-        return value
+        """W at a whole number."""
+        return value_at(self.whole, point)
 
     def _sampled(self, count: int) -> list[tuple]:
         """(point, W there, det W there) at as many points with a regular W as required; none where W is always singular."""

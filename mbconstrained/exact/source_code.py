@@ -120,11 +120,7 @@ def _exponentials(function: sympy.Expr, hyperbolic: sympy.Expr, form: ClosedForm
 
 
 def with_needed_assumptions(form: ClosedForm) -> ClosedForm:
-    """The formula without the assumptions that only coordinates need that are not in it.
-
-    For values of the parameters where A(s) stays regular, X(s) = A(s)^-1 b(s) is continuous in them, and so is the transform
-    of a formula that does not divide by the assumption: they stay equal there.
-    """
+    """The formula without assumptions by which it does not divide: where A(s) stays regular, X(s) is continuous in the parameters, and so is the formula."""
     below = divisors_of(form.quantities, form.time)
     return replace(form, assumptions=tuple(each for each in form.assumptions if any(_meets(each, other) for other in below)))
 
@@ -228,10 +224,7 @@ def _short(value: sympy.Expr) -> sympy.Expr:
 
 
 def with_square(total: sympy.Expr) -> sympy.Expr:
-    """u^2 - 2 u v + v^2 + rest as (u - v)^2 + rest, where nothing is subtracted in the rest; else as it is.
-
-    A divisor near resonance, |k - m w^2 + i c w|^2, is small there, and its terms are not: so it keeps its digits.
-    """
+    """u^2 - 2 u v + v^2 + rest as (u - v)^2 + rest, where nothing is subtracted in the rest: a divisor near resonance keeps its digits."""
     polynomial = total.as_poly()
     if polynomial is None or not (polynomial.domain.is_QQ or polynomial.domain.is_ZZ):
         return total
@@ -281,29 +274,7 @@ class _CPrinter(C99CodePrinter):
 
 
 def c_source(form: ClosedForm) -> str:
-    """x(t) as the source of a C function void x(double t, double m, ..., double values[r]), C99 and later.
-
-    Dirac impulses are listed in the comment; they are not in the values. Default values of parameters stand in a second
-    function, x_default(t, values).
-
-    >>> t, k = sympy.symbols("t k", positive=True)
-    >>> print(c_source(ClosedForm(("x1",), (k * t,), t)))
-    /*
-     * The motion in closed form.
-     *
-     * values[0]: x1
-     * k: parameter
-     */
-    #include <math.h>
-    <BLANKLINE>
-    void x(double t, double k, double values[1]);
-    <BLANKLINE>
-    void x(double t, double k, double values[1])
-    {
-        values[0] = k*t;
-    }
-    <BLANKLINE>
-    """
+    """x(t) as a C function x(t, m, ..., values), C99 and later, and x_default(t, values) with default values; Dirac impulses are in the comment alone."""
     source, printer, count = SourceCode.of(form), _CPrinter(), len(form.values)
 
     def written(value: sympy.Expr) -> str:
@@ -346,16 +317,7 @@ class _PythonPrinter(NumPyPrinter):
 
 
 def python_source(form: ClosedForm) -> str:
-    """x(t) as the source of a module with one function x(t, m=10.0, ...) -> array (r, T), (r,) for a number t.
-
-    Dirac impulses are listed in the docstring; they are not in the values.
-
-    >>> t, k = sympy.symbols("t k", positive=True)
-    >>> scope = {}
-    >>> exec(python_source(ClosedForm(("x1",), (k * t,), t)), scope)
-    >>> scope["x"]([0.0, 2.0], 3.0)
-    array([[0., 6.]])
-    """
+    """x(t) as a module with a function x(t, m=10.0, ...) -> array (r, T), (r,) for a number t; Dirac impulses are in its docstring alone."""
     source, printer = SourceCode.of(form), _PythonPrinter()
 
     def written(value: sympy.Expr, indent: int) -> str:  # a long sum in parentheses

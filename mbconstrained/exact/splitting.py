@@ -29,23 +29,18 @@ class Branch:
 
 @dataclass(frozen=True)
 class Splitting:
-    """Branches of a multiple eigenvalue.
+    """Branches of a multiple eigenvalue."""
 
-    Attributes:
-        eigenvalue: s, refined.
-        branches: as many branches as the multiplicity.
-        is_exact: whether the given numbers, taken as exact, have this multiple eigenvalue; False where rounding errors of them
-            separate its parts.
-    """
-
-    eigenvalue: complex
-    branches: tuple[Branch, ...]
-    is_exact: bool
+    eigenvalue: complex  # s, refined
+    branches: tuple[Branch, ...]  # as many as the multiplicity
+    is_exact: bool  # whether the given numbers have this multiple eigenvalue; False where rounding errors separate its parts
 
 
 def splitting(base: Sequence, slope: Sequence, value: complex, multiplicity: int, rate: float, step: float) -> Splitting:
     """The branches of a multiple eigenvalue, from det A in arithmetic of hundreds of digits."""
-    from flint import acb, acb_mat, arb, ctx
+    from flint import acb, acb_mat, acb_poly, arb, ctx
+
+    from .rational import value_at
 
     with ctx.workdps(SPLITTING_DIGITS):
         count, radius = multiplicity + 2, arb(10) ** -(SPLITTING_DIGITS // 10)
@@ -58,15 +53,12 @@ def splitting(base: Sequence, slope: Sequence, value: complex, multiplicity: int
         own, changes = scaled(base, 1.0), scaled(slope, step)
 
         def determinant(s, change):
-            total = own[-1] + changes[-1] * change
-            for matrix, varied in zip(own[-2::-1], changes[-2::-1]):
-                total = total * s + matrix + varied * change
-            return total.det()
+            return value_at([matrix + varied * change for matrix, varied in zip(own, changes)], s).det()
 
         def taylor(values: list) -> list:
             """Coefficients of the powers, from the values at radius times the roots of unity."""
-            sums = (sum((values[k] * roots[-i * k % count] for k in range(1, count)), values[0]) for i in range(count))
-            return [total / (count * radius**i) for i, total in enumerate(sums)]
+            terms = acb_poly.interpolate([radius * root for root in roots], values).coeffs()
+            return terms + [acb(0)] * (count - len(terms))
 
         center = acb(value.real, value.imag) / acb(rate)
         for _ in range(STEPS):

@@ -218,10 +218,7 @@ def angle(radians: sympy.Expr) -> sympy.Expr:
 def without_implied(
     form: ClosedForm, x: SymbolicResponse, implied: Mapping[str, Mapping[str, sympy.Expr]]
 ) -> dict[str, tuple[sympy.Eq, ...]]:
-    """The admissible and continuous conditions without the values that follow from others.
-
-    Where they cannot be met, since the input jumps, there are none: the jump itself is reported.
-    """
+    """The admissible and continuous conditions without values that follow from others; none where the input jumps, which is reported itself."""
     if not implied:
         return {}
     values, names = initial_symbols(x.polynomial_matrix), x.coordinates

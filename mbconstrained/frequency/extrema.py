@@ -314,7 +314,7 @@ class _ExtremumSearch:
     def _excess(self, panels: dict[str, np.ndarray]) -> np.ndarray:
         """Largest relative excess of the bounds of panels over the best values, over all rows; 0 for panels too narrow to halve."""
         size = np.abs(self.best).max(axis=0)
-        with np.errstate(invalid="ignore"):
+        with np.errstate(invalid="ignore", over="ignore"):
             excess = (panels["hope"] - self.best[:, :, None]) / np.where(size > 0, size, TINY)[:, None]
         wide = panels["b"] - panels["a"] > NARROWEST * np.abs(panels["b"])
         return np.where(wide, np.nan_to_num(excess, nan=np.inf).max(axis=(0, 1), initial=0.0), 0.0)

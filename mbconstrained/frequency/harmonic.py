@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from contextlib import suppress
 from copy import copy
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from functools import cached_property
 from typing import Protocol
 
@@ -554,6 +554,16 @@ class Harmonic:
         if self.imaginary is None:
             return self.A.coefficients
         return self.A.coefficients + 1j * np.array([self.imaginary, *np.zeros_like(self.A.coefficients[1:])])
+
+    def known(self, before: Harmonic | None) -> Harmonic:
+        """The one before, with all that it has computed, where both have the same contents."""
+        if before is None:
+            return self
+        pairs = [(getattr(self, part.name), getattr(before, part.name)) for part in fields(self) if part.name != "A"]
+        pairs += [
+            (getattr(self.A, name), getattr(before.A, name)) for name in ("coefficients", "uncertainty", "coordinates", "equations")
+        ]
+        return before if all(np.array_equal(*pair) for pair in pairs) else self
 
     @cached_property
     def solver(self) -> StructuredSolver:

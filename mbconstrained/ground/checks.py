@@ -280,7 +280,7 @@ class ReadOnly(Mapping):
     def __len__(self) -> int:
         return len(self._entries)
 
-    values = property(attrgetter("_entries.values"))  # Mapping's own looks up every name
+    keys, values = (property(attrgetter(f"_entries.{name}")) for name in ("keys", "values"))  # Mapping's own look up every name
 
     def __repr__(self) -> str:
         return repr(self._entries)

@@ -193,10 +193,13 @@ def table_text(table: TextTable, width: int = WIDTH) -> str:
     note = [*_wrapped(table.note, width, "  ")] if table.note else []
     if not table.rows:
         return "\n".join([*_wrapped(table.title, width), *note])
-    lines = [table.columns, *table.rows]
-    widths = _widths(list(zip(*lines)), width)
-    text = [line for row in lines for line in _row_text(row, widths)] if widths else [*_entries(table, width)]
-    return "\n".join([*_wrapped(table.title, width), *text, *note])
+    rows, text = [table.columns, *table.rows], []
+    widths = _widths(list(zip(*rows)), width)
+    for row in rows if widths else ():
+        cells = [[cell] if len(cell) <= size else _wrapped(cell, size) for cell, size in zip(row, widths)]
+        for line in zip_longest(*cells, fillvalue=""):
+            text.append("  " + "  ".join(part.ljust(size) for part, size in zip(line, widths)).rstrip())
+    return "\n".join([*_wrapped(table.title, width), *(text or _entries(table, width)), *note])
 
 
 def wrapped(text: str, width: int = WIDTH) -> str:
@@ -243,12 +246,6 @@ def _widths(columns: Sequence[Sequence[str]], width: int) -> list[int]:
         widths[widest] -= step
         excess -= step
     return widths
-
-
-def _row_text(row: Sequence[str], widths: Sequence[int]) -> list[str]:
-    cells = [[cell] if len(cell) <= size else _wrapped(cell, size) for cell, size in zip(row, widths)]
-    lines = zip_longest(*cells, fillvalue="")
-    return ["  " + "  ".join(part.ljust(size) for part, size in zip(line, widths)).rstrip() for line in lines]
 
 
 def _entries(table: TextTable, width: int) -> Iterator[str]:

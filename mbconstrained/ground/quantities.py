@@ -173,8 +173,7 @@ def any_quantity(value) -> tuple[float, Dimension | None]:
     """
     if not isinstance(value, str):
         return quantity(value, "1"), getattr(value, "dimension", None)
-    number, unit = _split(value, 'a quantity, e.g. 2.0 or "10 kg"')
-    _check_known(value, unit, 'a quantity, e.g. "10 kg"')
+    number, unit = _split(value)
     return _finite(_in_si(number, unit), value, "1"), dimension(unit)
 
 
@@ -250,8 +249,7 @@ def _checked(value: Expressed, unit: str) -> Expressed:
 
 
 def _from_text(text: str, unit: str) -> float:
-    number, unit_text = _split(text, expected(unit))
-    _check_known(text, unit_text, expected(unit))
+    number, unit_text = _split(text, unit)
     unit_text = meant(unit_text, unit)
     kind = dimension(unit_text)
     if unit == "Hz" and kind == dimension("rad/s") and any(name in COUNTS_TURNS for name in re.split(r"[*/^]", unit_text)):
@@ -274,16 +272,16 @@ def _other_case(number: str, unit_text: str, unit: str) -> str:
     return f'; did you mean "{number} {small}"?' if fits else ""
 
 
-def _check_known(text: str, unit: str, wanted: str) -> None:
-    if unknown := unknown_name(unit):
-        raise InputError(f"found {shown(text)}, but {instead_of(unknown)}; expected {wanted}")
-
-
-def _split(text: str, wanted: str) -> tuple[str, str]:
+def _split(text: str, unit: str | None = None) -> tuple[str, str]:
+    """The number and the unit of a text where a quantity of a kind is expected, or one of any kind."""
     match = _QUANTITY.fullmatch(text.strip()) if len(text) <= LONGEST_QUANTITY else None
     unit_text = _normal_unit(match[2]) if match else ""
     if not _UNIT.fullmatch(unit_text):
+        wanted = 'a quantity, e.g. 2.0 or "10 kg"' if unit is None else expected(unit)
         raise InputError(f"found {shown(text)}; expected {wanted}; {_how_to_write(text)}")
+    if unknown := unknown_name(unit_text):
+        wanted = 'a quantity, e.g. "10 kg"' if unit is None else expected(unit)
+        raise InputError(f"found {shown(text)}, but {instead_of(unknown)}; expected {wanted}")
     return match[1], unit_text
 
 

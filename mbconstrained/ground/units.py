@@ -150,7 +150,7 @@ def unit_in_si(text: str) -> tuple[Fraction, dict[str, int]]:
 
 def unknown_name(unit: str) -> str:
     """The first name in a unit that is not accepted, or an empty string."""
-    return next((name for name in re.findall(r"[^\W\d_]+", unit) if not is_accepted(name)), "")
+    return next((name for name in re.findall(r"[^\W\d_]+", unit) if name not in _spellings()), "")
 
 
 def instead_of(name: str) -> str:
@@ -229,7 +229,7 @@ def rate_unit(unit: str, order: int = 1) -> str:
     >>> rate_unit("m", 2)
     'm/s^2'
     """
-    return unit if order == 0 else f"{unit}/{_seconds(order)}"
+    return unit if order == 0 else f"{unit}/s^{order}".removesuffix("^1")
 
 
 def derivative_name(unit: str, order: int) -> str:
@@ -260,11 +260,7 @@ def impulse_unit(unit: str, order: int = 0) -> str:
     >>> impulse_unit("N"), impulse_unit("N", 1)
     ('N s', 'N s^2')
     """
-    return f"{unit} {_seconds(order + 1)}"
-
-
-def _seconds(power: int) -> str:
-    return "s" if power == 1 else f"s^{power}"
+    return f"{unit} s^{order + 1}".removesuffix("^1")
 
 
 def ratio_unit(above: str, below: str) -> str:

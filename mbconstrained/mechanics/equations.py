@@ -29,6 +29,7 @@ from .energy import CoordinateParts, EnergyParts, checked_parts
 from .parameter import Parameter, entry_parameters
 
 if TYPE_CHECKING:
+    from ..frequency.harmonic import Harmonic
     from .sparse.pencil import ReducedPencil
 
 Side = Literal["inputs", "outputs"]
@@ -70,6 +71,7 @@ class EquationsOfMotion(Pictured):
         speed_tables: bearings whose coefficients change with the speed.
         whirl_matrix: S of ``Campbell.whirl``, shape (n, n); None for that of the gyroscopic moments.
         delayed: the terms with dead time, ascending by it; none without.
+        last_harmonic: the matrices of the last frequency response, with what they have computed for the next one alike.
         unbalance: u of the force W^2 Re(u e^{i W t}) of the unbalance, complex, in kg m, shape (n,); None if there is none.
     """
 
@@ -88,6 +90,7 @@ class EquationsOfMotion(Pictured):
     whirl_matrix: np.ndarray | None = None
     unbalance: np.ndarray | None = None
     delayed: tuple[DelayedTerm, ...] = ()
+    last_harmonic: Harmonic | None = None
 
     def __init__(
         self,

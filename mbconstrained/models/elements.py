@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import MISSING, Field, dataclass, field, fields, replace
+from dataclasses import MISSING, dataclass, field, fields, replace
 from fractions import Fraction
 from itertools import count
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, NamedTuple, Self, get_args, get_type_hints
@@ -50,19 +50,13 @@ class Joins(NamedTuple):
 
 
 class Entry(NamedTuple):
-    """A field of an element: its type, its annotation (Numeric, Joins or a text), and the field of the dataclass."""
+    """A field of an element."""
 
     type: Any
-    about: Any
-    field: Field
-
-    @property
-    def is_number(self) -> bool:
-        return self.type is Real and isinstance(self.about, Numeric)
-
-    @property
-    def is_required(self) -> bool:
-        return self.field.default is MISSING and self.field.default_factory is MISSING
+    about: Any  # its annotation, Numeric, Joins or a text
+    default: Any  # MISSING where there is none, or a function makes it
+    is_required: bool
+    is_number: bool  # whether it is one number
 
 
 class _Fields(NamedTuple):
@@ -76,25 +70,20 @@ class _Fields(NamedTuple):
 _FIELDS: dict[type, _Fields] = {}
 
 
-def _fields_of(kind: type[Element]) -> _Fields:
-    if kind not in _FIELDS:
-        hints = get_type_hints(kind, include_extras=True)
-        entries = {each.name: Entry(*get_args(hints[each.name])[:2], each) for each in fields(kind)}  # type: ignore[call-arg]
-        numbers = {name: entry.about for name, entry in entries.items() if entry.is_number}
-        ordered = dict(sorted(numbers.items(), key=lambda item: get_args(Range).index(item[1].range)))
-        joins = ((name, entry.about.unit) for name, entry in entries.items() if isinstance(entry.about, Joins))
-        _FIELDS[kind] = _Fields(entries, ordered, tuple((name, kind.axis if unit == "" else unit) for name, unit in joins))
-    return _FIELDS[kind]
-
-
-def entries_of(kind: type[Element]) -> dict[str, Entry]:
-    """The fields of a class of elements by name."""
-    return _fields_of(kind).entries
-
-
-def numbers_of(kind: type[Element]) -> dict[str, Numeric]:
-    """The annotations of the fields with one number, the positive ones first."""
-    return _fields_of(kind).numbers
+def fields_of(kind: type[Element]) -> _Fields:
+    if kind in _FIELDS:
+        return _FIELDS[kind]
+    hints, entries = get_type_hints(kind, include_extras=True), {}
+    for each in fields(kind):
+        own, about, *_ = get_args(hints[each.name])
+        is_required = each.default is MISSING and each.default_factory is MISSING
+        entries[each.name] = Entry(own, about, each.default, is_required, own is Real and isinstance(about, Numeric))
+    numbers = {name: entry.about for name, entry in entries.items() if entry.is_number}
+    ordered = dict(sorted(numbers.items(), key=lambda item: get_args(Range).index(item[1].range)))
+    joins = ((name, entry.about.unit) for name, entry in entries.items() if isinstance(entry.about, Joins))
+    return _FIELDS.setdefault(
+        kind, _Fields(entries, ordered, tuple((name, kind.axis if unit == "" else unit) for name, unit in joins))
+    )
 
 
 # Common to all elements.
@@ -121,11 +110,11 @@ class Element(Public):
             cls.kind = "".join(f" {letter.lower()}" if letter.isupper() else letter for letter in cls.__name__).strip()
 
     def __post_init__(self):
-        entries, numbers, _ = _fields_of(type(self))
+        entries, numbers, *_ = fields_of(type(self))
         for name, about in numbers.items():
             value = getattr(self, name)
             is_right = type(value) is float and 0.0 < value < math.inf and about.range != "whole"  # mostly
-            if not is_right and value is not entries[name].field.default:
+            if not is_right and value is not entries[name].default:
                 object.__setattr__(self, name, self._number(value, name.replace("_", " "), about))  # a frozen dataclass
 
     def _number(self, value, field: str, about: Numeric) -> float | str:
@@ -146,7 +135,7 @@ class Element(Public):
 
     def _numbers(self, field: str, what: str) -> ReadOnly:
         """The numbers of a field by name, each named in messages."""
-        about, values = entries_of(type(self))[field].about, getattr(self, field)
+        about, values = fields_of(type(self)).entries[field].about, getattr(self, field)
         return ReadOnly({name: self._number(value, what.format(name), about) for name, value in values.items()})
 
     def settled(self, units: Mapping[str, str]) -> Self:
@@ -161,12 +150,12 @@ class Element(Public):
     @property
     def ends(self) -> dict[str, str | None]:
         """The bodies that it joins, each with the unit that its coordinate must have, None for both."""
-        return {getattr(self, name): unit for name, unit in _fields_of(type(self)).joins}
+        return {getattr(self, name): unit for name, unit in fields_of(type(self)).joins}
 
     @property
     def default_names(self) -> Iterator[str]:
         """Names for an element without one, the first that is not in use to be chosen."""
-        base = f"{self.kind} {'-'.join([str(getattr(self, name)) for name, _ in _fields_of(type(self)).joins[:2]])}"
+        base = f"{self.kind} {'-'.join([str(getattr(self, name)) for name, _ in fields_of(type(self)).joins[:2]])}"
         return (f"{base} {number}" if number > 1 else base for number in count(1))
 
 

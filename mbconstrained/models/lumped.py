@@ -41,8 +41,7 @@ from .elements import (
     PrescribedMotion,
     RigidTie,
     Tie,
-    entries_of,
-    numbers_of,
+    fields_of,
     with_parts,
 )
 from .rotor import Bearing, Rotor, Unbalance, rotor_terms
@@ -71,7 +70,7 @@ def _adds(kind: Callable[Fields, Added]) -> Callable[Concatenate[LumpedModel, Fi
             raise wrong_call(kind, args, kwargs, kind.kind) from None
         return self._add(element)
 
-    entries = entries_of(kind)  # type: ignore[arg-type]
+    entries = fields_of(kind).entries  # type: ignore[arg-type]
     parameters, lines = [], []
     for parameter in inspect.signature(kind).parameters.values():
         about = entries[parameter.name].about
@@ -502,7 +501,7 @@ def element_parameters(model: LumpedModel) -> Iterator[Parameter]:
     for element in model.elements:
         if isinstance(element, PrescribedMotion):
             continue
-        numbers = numbers_of(type(element))
+        numbers = fields_of(type(element)).numbers
         for field, about in numbers.items():
             value = getattr(element, field)
             if value is not None and about.varied:
@@ -518,7 +517,7 @@ def _parameter(model: LumpedModel, element: Element, field: str, name: str, valu
     number: Any = complex(value, step)
     twin = copy(element)
     object.__setattr__(twin, field, number if key is None else {**getattr(element, field), key: number})
-    unit = (entries_of(type(element))[field].about.unit or "m").replace("*", " ")
+    unit = (fields_of(type(element)).entries[field].about.unit or "m").replace("*", " ")
     return complex_parameter(name, value, [twin], model.coordinates, step, unit, model.gravity_along)
 
 
@@ -527,7 +526,7 @@ def exact_elements(elements: Iterable[Element], number: Callable[[Any], Any]) ->
     twins = []
     for element in elements:
         twin = copy(element)
-        for name in entries_of(type(element)):
+        for name in fields_of(type(element)).entries:
             value = getattr(element, name)
             if isinstance(value, Mapping):
                 object.__setattr__(twin, name, {key: number(each) for key, each in value.items()})

@@ -18,7 +18,7 @@ from ..ground.quantities import quantity
 from ..ground.tolerances import noise_of
 from ..ground.units import GROUND
 from ..mechanics.element_matrix import ElementMatrix, SpeedTable, unbalance_of
-from .elements import Damper, Element, Joins, Mass, Numeric, Real, RigidBar, Spring, entries_of, unchecked, with_parts
+from .elements import Damper, Element, Joins, Mass, Numeric, Real, RigidBar, Spring, fields_of, unchecked, with_parts
 
 #: A number for both planes y and z, two of them, a matrix (2, 2), or a list of these with one for each speed of a table.
 PlaneValues = Any
@@ -135,7 +135,7 @@ class Bearing(Element):
         super().__post_init__()
         for name in ("stiffness", "damping", "speeds"):
             with named(f"{self.label}: {name}"):
-                object.__setattr__(self, name, in_si(getattr(self, name), entries_of(Bearing)[name].about.unit))
+                object.__setattr__(self, name, in_si(getattr(self, name), fields_of(Bearing).entries[name].about.unit))
         if self.speeds is not None:
             speeds = real_array(self.speeds, f"{self.label}: speeds", shape=(None,))
             if len(speeds) < 2 or not (np.diff(speeds) > 0).all():

@@ -92,7 +92,7 @@ class DiscreteForce:
         """f_k as exact numbers, computed once."""
         if k not in self.known:
             values = [rational(entry) for entry in self.value(k).tolist()]
-            self.known[k] = values if self.matrix is None else applied(exact_rows(self.matrix), values, rational(0))
+            self.known[k] = values if self.matrix is None else applied(exact_rows(self.matrix), values)
         return self.known[k]
 
     def times(self, matrix: np.ndarray) -> DiscreteForce:

@@ -24,7 +24,16 @@ from ..ground.checks import listed
 from ..ground.display import Displayed
 from ..ground.errors import InputError
 from ..ground.notices import Notice, NoticeKind
-from ..ground.tolerances import DIFFERENCED, EPS, LOOPS_CLOSED_AS_ROUNDED, MUJOCO_RATE, MUJOCO_STEP, NOISE_SAFETY, SAME_AS_MUJOCO
+from ..ground.tolerances import (
+    DIFFERENCED,
+    EPS,
+    LOOP_RANK_EXACT,
+    LOOPS_CLOSED_AS_ROUNDED,
+    MUJOCO_RATE,
+    MUJOCO_STEP,
+    NOISE_SAFETY,
+    SAME_AS_MUJOCO,
+)
 from ..mechanics.switched import is_switched
 from .description.mjcf import MOST_NAMED, quaternion_places, quiet, read_mjcf
 from .posture_search import attached_load
@@ -453,7 +462,7 @@ class _Twin:
         rates, lengths = self._move(self.q), ours.load.lengths
         theirs = self.data.efc_J.reshape(-1, self.model.nv)[: self.data.ne] @ rates * lengths
         for what, rows, others in (("here", theirs, ours.scaled_jacobian), ("in MuJoCo", ours.scaled_jacobian, theirs)):
-            left = rows - rows @ np.linalg.pinv(others, rcond=EPS * max(1, len(others))) @ others if len(others) else rows
+            left = rows - rows @ np.linalg.pinv(others, rcond=LOOP_RANK_EXACT) @ others if len(others) else rows
             if np.abs(left).max(initial=0.0) > DIFFERENCED * max(np.abs(rows).max(initial=0.0), DIFFERENCED * ours.load.size):
                 name = self.robot.coordinates[int(np.unravel_index(np.abs(left).argmax(), left.shape)[1])]
                 raise InputError(f'mjcf: equalities leave another motion of "{name}" {what}{_ADVICE}')

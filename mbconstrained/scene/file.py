@@ -14,6 +14,7 @@ import re
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -133,14 +134,11 @@ def together(file_name: str, problems: Sequence[str | tuple[str, Exception | Non
 def place(location: tuple, data) -> str:
     """A location of pydantic in the notation of users.
 
-    >>> place(("model", "lumped", "mass", 1, "mass"), {"model": {"kind": "lumped", "mass": [{}, {"name": "cart"}]}})
+    >>> place(("model", "mass", 1, "mass"), {"model": {"kind": "lumped", "mass": [{}, {"name": "cart"}]}})
     'model.mass[2].mass (of "cart")'
     """
-    text, owner, marked = "", "", None
+    text, owner = "", ""
     for part in location:
-        if isinstance(data, dict) and data.get("kind") == part and data is not marked:
-            marked = data  # the tag by which pydantic chose the kind of table
-            continue
         text += f"[{part + 1}]" if isinstance(part, int) else f"{'.' if text else ''}{part}"
         data = _entry(data, part)
         if isinstance(part, int) and isinstance(data, dict) and isinstance(data.get("name"), str):
@@ -199,7 +197,23 @@ SCENE, INCLUDED = FileKind("a scene has at least [model]", _LARGE), FileKind("le
 
 def read_text(path: Path, kind: FileKind = SCENE) -> str:
     """The text of a scene file, or of another file in the same format."""
-    content = _content(path)
+    try:
+        if path.is_dir():
+            names = sorted(path.name for path in path.glob("*.toml"))[:5]
+            known = f", e.g. {', '.join(names)}" if names else ""
+            raise SceneError(f"{path.name or path}: this is a directory; give the scene file in it{known}")
+        if path.exists() and not path.is_file():
+            raise SceneError(f"{path.name}: this is not a file; give a scene file")
+        with open(path, "rb") as file:
+            content = file.read(LARGEST_SCENE + 1)
+    except FileNotFoundError:
+        near = nearest(path.name, [other.name for other in path.parent.glob("*.toml")]) if path.parent.is_dir() else ""
+        raise SceneError(f"{path}: there is no such file{near}") from None
+    except SceneError:  # a ValueError as well
+        raise
+    except (OSError, ValueError) as problem:
+        reason = getattr(problem, "strerror", None) or str(problem)
+        raise SceneError(f"{quoted(str(path))}: the file cannot be read ({reason})") from None
     if len(content) > LARGEST_SCENE:
         raise SceneError(f"{path.name}: the file has more than {LARGEST_SCENE:,} bytes, {kind.large}")
     if not content.strip():
@@ -209,26 +223,6 @@ def read_text(path: Path, kind: FileKind = SCENE) -> str:
     except UnicodeDecodeError as problem:
         line = content.count(b"\n", 0, problem.start) + 1
         raise SceneError(f"{path.name}: line {line} is not UTF-8 text; save the file with the encoding UTF-8") from None
-
-
-def _content(path: Path) -> bytes:
-    try:
-        if path.is_dir():
-            names = sorted(path.name for path in path.glob("*.toml"))[:5]
-            known = f", e.g. {', '.join(names)}" if names else ""
-            raise SceneError(f"{path.name or path}: this is a directory; give the scene file in it{known}")
-        if path.exists() and not path.is_file():
-            raise SceneError(f"{path.name}: this is not a file; give a scene file")
-        with open(path, "rb") as file:
-            return file.read(LARGEST_SCENE + 1)
-    except FileNotFoundError:
-        near = nearest(path.name, [other.name for other in path.parent.glob("*.toml")]) if path.parent.is_dir() else ""
-        raise SceneError(f"{path}: there is no such file{near}") from None
-    except SceneError:  # a ValueError as well
-        raise
-    except (OSError, ValueError) as problem:
-        reason = getattr(problem, "strerror", None) or str(problem)
-        raise SceneError(f"{quoted(str(path))}: the file cannot be read ({reason})") from None
 
 
 def parse(text: str, name: str) -> dict:
@@ -337,9 +331,17 @@ MATRICES = ("mass", "damping", "stiffness", "A", "B", "C", "D", "descriptor")
 
 def read_tables(path: Path) -> tuple[dict, SceneName]:
     """The tables of a scene and of the files that it includes, and its name with the origins of their entries."""
-    files = _Files(path)
-    files.read(path, ())
-    return files.together()
+    read = _Files(path.parent)
+    read.add(path)
+    if len(read.files) == 1:
+        return next(iter(read.files.values()))[1], SceneName(path.name)
+    data: dict = {}
+    origins: dict[Place, tuple[str, Place]] = {}
+    for file_name, tables in read.files.values():
+        _merge(data, tables, (), file_name, origins)
+    name = SceneName(path.name, origins)
+    _check_bodies(data, name)
+    return data, name
 
 
 def robot_path(name: str, folder: Path) -> Path:
@@ -387,36 +389,24 @@ def robot_name(name: SceneName, file: str) -> SceneName:
     return SceneName(file, {place: origin for place, origin in inside if origin[0] != file})
 
 
+@dataclass(frozen=True)
 class _Files:
     """The files of a scene, included ones before those that include them."""
 
-    def __init__(self, path: Path):
-        self.folder, self.main = path.parent, path.name
-        self.files: dict[Path, tuple[str, dict]] = {}  # by path: the name in messages, and the tables
+    folder: Path  # of the scene
+    files: dict[Path, tuple[str, dict]] = field(default_factory=dict)  # by path: the name in messages, and the tables
 
-    def read(self, path: Path, includers: tuple[Path, ...]) -> None:
+    def add(self, path: Path, includers: tuple[Path, ...] = ()) -> None:
         """Read a file after the files that it includes."""
-        name = self._name(path) if includers else self.main
-        data = parse(read_text(path, INCLUDED) if includers else read_text(path), name)
-        given = data.pop("include", [])
-        with at(name, "include"):
-            for other in self._others(path, given, (*includers, path.resolve())):
-                self.read(other, (*includers, path.resolve()))
+        name = self._name(path) if includers else path.name
+        data = parse(read_text(path, INCLUDED if includers else SCENE), name)
+        if "include" in data:
+            with at(name, "include"):
+                for other in self._others(path, data.pop("include"), (*includers, path.resolve())):
+                    self.add(other, (*includers, path.resolve()))
         if includers:
             _lead_from(data, os.path.relpath(path.parent, self.folder))
         self.files[path.resolve()] = name, data
-
-    def together(self) -> tuple[dict, SceneName]:
-        """The merged tables of all files."""
-        if len(self.files) == 1:
-            return next(iter(self.files.values()))[1], SceneName(self.main)
-        data: dict = {}
-        origins: dict[Place, tuple[str, Place]] = {}
-        for file_name, tables in self.files.values():
-            _merge(data, tables, (), file_name, origins)
-        name = SceneName(self.main, origins)
-        _check_bodies(data, name)
-        return data, name
 
     def _name(self, path: Path) -> str:
         return Path(os.path.relpath(path, self.folder)).as_posix()

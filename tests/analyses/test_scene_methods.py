@@ -23,7 +23,7 @@ def test_every_analysis_is_a_method_with_its_settings(name):
     assert inspect.isfunction(method) and inspect.getdoc(method)
     if name not in ("run", "sweep", "optimise") and (settings := load(name).settings):
         named = {one.rstrip("_") for one in inspect.signature(method).parameters} - {"self"}
-        assert named == set(settings.known_keys())
+        assert named == {field.alias or key for key, field in settings.model_fields.items()}
         assert all(f"    {one}" in method.__doc__ for one in named)
 
 

@@ -33,6 +33,36 @@ def test_every_entry_of_a_chain_has_its_digits_in_the_stop_band_too(n):
             assert H.error_estimate[row, 0, line] <= 1e-10
 
 
+def beam(elements, damping=1e-5):
+    """A cantilever of Euler-Bernoulli elements of unit length, with consistent masses and damping by stiffness: fronts of two."""
+    K = np.array([[12.0, 6, -12, 6], [6, 4, -6, 2], [-12, -6, 12, -6], [6, 2, -6, 4]])
+    M = np.array([[156.0, 22, 54, -13], [22, 4, 13, -3], [54, 13, 156, -22], [-13, -3, -22, 4]]) / 420
+    size = 2 * elements + 2
+    stiffness, mass = np.zeros((2, size, size))
+    for at in range(0, size - 2, 2):
+        stiffness[at : at + 4, at : at + 4] += K
+        mass[at : at + 4, at : at + 4] += M
+    return mass[2:, 2:], damping * stiffness[2:, 2:], stiffness[2:, 2:]
+
+
+@pytest.mark.parametrize("turning", [0.0, 0.3])
+def test_estimates_of_a_beam_bound_its_errors(turning):
+    """Mass and stiffness cancel in its entries; with gyroscopic moments the matrices are not symmetric."""
+    M, C, K = beam(20)
+    n = len(M)
+    C = C + turning * (np.diag(np.ones(n - 2), 2) - np.diag(np.ones(n - 2), -2))
+    frequencies = np.geomspace(1e-4, 1.0, 12)
+    system = mb.MechanicalSystem(M, C, K)
+    H = system.frequency_response(frequencies, ["x1", "x39"], ["x39", "x2"])
+    assert H.harmonic.solver.is_sparse(2 * np.pi * frequencies)
+    for line, f in enumerate(frequencies):
+        exact = solved((K, C, M), f, np.eye(n)[:, [0, 38]])[[38, 1]]
+        for place in np.ndindex(2, 2):
+            error = relative_error(H.values[(*place, line)], exact[place])
+            assert error <= max(H.error_estimate[(*place, line)], 2e-16)
+            assert H.error_estimate[(*place, line)] <= 1e-10
+
+
 def random_constrained(seed):
     """Whole numbers; singular M, constraint rows at position level with reactions: an index 3 system."""
     random = np.random.default_rng(seed)

@@ -202,3 +202,23 @@ def test_modal_damping_gives_each_mode_its_ratio():
 def test_what_does_not_fit_is_refused(arguments, message):
     with pytest.raises(mb.InputError, match=message):
         row_of_eight().frequency_response([1.0], **arguments)
+
+
+def test_a_next_grid_has_what_the_first_has_computed_and_the_same_bits():
+    system, lines = row_of_eight(), np.linspace(1.0, 30.0, 40)
+    first, following = (system.frequency_response(f, ["P4"], ["P1"]) for f in (lines, lines + 0.1))
+    assert following.harmonic is first.harmonic
+    alone = row_of_eight().frequency_response(lines + 0.1, ["P4"], ["P1"])
+    np.testing.assert_array_equal(following.values, alone.values)
+    np.testing.assert_array_equal(following.error_estimate, alone.error_estimate)
+
+
+def test_a_changed_system_or_question_is_computed_anew():
+    system = row_of_eight()
+    of_forces = system.frequency_response([10.0], ["P4"], ["P1"])
+    tied = system.with_constraints(mb.Constraint(np.eye(8)[0])).frequency_response([10.0], ["P4"], ["P1"])
+    assert tied.values.item() == 0.0 != of_forces.values.item()
+    damped = system.frequency_response([10.0], ["P4"], ["P1"], loss_factor=0.1)
+    assert abs(damped.values.item()) != abs(of_forces.values.item())
+    accelerance = system.frequency_response([10.0], ["P4"], ["P1"], "accelerance")
+    np.testing.assert_allclose(accelerance.values, -((20 * np.pi) ** 2) * of_forces.values, rtol=1e-14)

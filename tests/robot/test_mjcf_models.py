@@ -13,6 +13,7 @@ from mbconstrained.robot.description import mjcf
 from tests.robot import linkages
 from tests.robot.linkages import null_space
 from tests.robot.mjcf_models import Generator, Oracle, compiled_here
+from tests.robot.mjcf_models import text as text_of
 
 mujoco = pytest.importorskip("mujoco", reason="MuJoCo is not installed (pip install 'mbconstrained[mjcf]')")
 
@@ -215,6 +216,40 @@ def on_a_fixed_body() -> str:
     """The linkage with a loop at a body that is fixed in another one."""
     mass = '<inertial mass="0.1" pos="0 0 0" diaginertia="0.01 0.01 0.01"/>'
     return linkage("e", body("e", place='pos="0.1 0 0.1" euler="0 20 0"', inertial=mass))
+
+
+def rigid_pair(place: str, equality: str) -> str:
+    """A body with another one fixed in it, of which the site s2 is 0.1 m from s1 less ``place``."""
+    inside = body("tip", "", '<site name="s2"/>', f'pos="{place}"')
+    arm = body("arm", hinge("j"), '<site name="s1" pos="0.3 0 0"/>' + inside)
+    return f"<mujoco><worldbody>{arm}</worldbody><equality>{equality}</equality></mujoco>"
+
+
+@pytest.mark.parametrize("kind", ["connect", "weld"])
+def test_loops_within_a_rigid_body_are_closed_or_refused(tmp_path, here, kind):
+    equality = f'<{kind} name="k" site1="s1" site2="s2"/>'
+    robot = read(tmp_path, rigid_pair("0.3 0 0", equality))
+    assert not robot.loops and len(robot.linearize(robot.equilibrium()).modes()) == 1  # MuJoCo's rows are zero
+    assert np.abs(Oracle(tmp_path / "m.xml").rows([0.1])).max(initial=0.0) < 1e-15
+    with pytest.raises(
+        mb.InputError, match='the equality "k" joins "arm" and "tip", between which there is no joint.* never closed'
+    ):
+        read(tmp_path, rigid_pair("0.2 0 0", equality))
+
+
+def test_loops_of_a_pivot_whose_rows_are_dependent_to_rounding(tmp_path, here):
+    """A point of a body on a ball joint is fixed in the parent: rows r x of rank 2, whose third singular value is noise in both programs."""
+    generator = Generator(3)
+    for seed in range(60):
+        rng = np.random.default_rng(seed)
+        place, anchor = generator.vector(), text_of(*rng.uniform(-0.2, 0.2, 3))
+        ball = body("b", '<joint type="ball" pos="0.03 -0.02 0.05"/>', "", f'pos="{place}" {generator.turn()}')
+        arm = body("a", "<freejoint/>", body("c", hinge("j", 'stiffness="9"'), ball, generator.turn()))
+        text = f'<mujoco><worldbody>{arm}</worldbody><equality><connect body1="b" body2="c" anchor="{anchor}"/></equality></mujoco>'
+        text = text.replace("<mujoco>", f'<mujoco><compiler angle="{"degree" if generator.degrees else "radian"}"/>')
+        robot = read(tmp_path, text)
+        linear = robot.linearize(robot.equilibrium(hold=robot.coordinates))
+        assert len(linear.constraint_matrix) == 2
 
 
 @pytest.mark.parametrize("text", [linkage("c", "", 'pos="0.02 0 0.05"'), on_a_fixed_body()], ids=["pos-of-a-joint", "fixed-body"])

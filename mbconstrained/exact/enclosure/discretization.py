@@ -44,88 +44,57 @@ class DiscretizedSystem:
     notices: tuple[Notice, ...] = ()
 
 
-#: Phi, Gamma_1 and Gamma_2.
-Exponentials: TypeAlias = tuple[flint.arb_mat, flint.arb_mat, flint.arb_mat]
-
-
-@dataclass(frozen=True)
-class _Continuous:
-    """A, B, C, D in balls."""
-
-    A: flint.arb_mat
-    B: flint.arb_mat
-    C: flint.arb_mat
-    D: flint.arb_mat
-
-    def exponentials(self, time: Fraction) -> Exponentials:
-        """Phi, Gamma_1 and Gamma_2 after a time."""
-        n, p = self.A.nrows(), self.B.ncols()
-        size = n + 2 * p
-        t = _ball(time)
-        table = [[flint.arb(0)] * size for _ in range(size)]
-        for i, (own, driven) in enumerate(zip(self.A.tolist(), self.B.tolist() if p else [[]] * n)):
-            table[i][: n + p] = [entry * t for entry in (*own, *driven)]
-        for j in range(p):
-            table[n + j][n + p + j] = t
-        if n > LARGEST_BALLS:
-            result = scipy.linalg.expm(np.array([[float(entry.mid()) for entry in row] for row in table]))
-            rows = [[flint.arb(entry) for entry in row] for row in result[:n].tolist()]
-        else:
-            rows = flint.arb_mat(table).exp().tolist()[:n] if size else []
-        ends = ((0, n), (n, n + p), (n + p, size))
-        Phi, G1, G2 = (flint.arb_mat(n, end - begin, [v for row in rows for v in row[begin:end]]) for begin, end in ends)
-        return Phi, G1, G2
-
-
 def discretized(
     A, B, C, D, slopes, delays: Sequence[Fraction], step: Fraction, hold: Hold, descriptor: np.ndarray | None = None
 ) -> DiscretizedSystem:
     """E x' = A x + B u, y = C x + D u + slopes u' (the u' before the sample, of a linear hold alone), E regular, rounded once."""
+    (n, p), given = B.shape, np.hstack([A, B])
     with working_precision(BITS):
-        system = _Continuous(*_in_balls(A, B, descriptor), *map(_balls, (C, D)))
-        slopes = _balls(slopes) * (1 / _ball(step))
-        exponentials = cache(system.exponentials)
+        if descriptor is not None:  # E^-1 A and E^-1 B, exactly before they become balls
+            given = np.array(rational_matrix(descriptor).solve(rational_matrix(given)).tolist(), dtype=object).reshape(n, n + p)
+        generator = np.zeros((n + 2 * p, n + 2 * p), dtype=object)
+        generator[:n, : n + p], generator[n : n + p, n + p :] = _balls(given), np.eye(p, dtype=int)
+        B, C, D, slopes = generator[:n, n : n + p], _balls(C), _balls(D), _balls(slopes) * (1 / _ball(step))
+
+        @cache
+        def exponentials(time: Fraction) -> list[np.ndarray]:
+            """Phi, Gamma_1 and Gamma_2 after a time."""
+            moved = generator * _ball(time)
+            if n > LARGEST_BALLS:
+                moved = scipy.linalg.expm(moved.astype(float))
+            elif len(moved):
+                moved = np.array(flint.arb_mat(moved.tolist()).exp().tolist(), dtype=object)
+            return np.split(_balls(moved[:n]), [n, n + p], axis=1)
+
         Phi, *_ = exponentials(step)
         columns, memories, counts = [], [], []
         for j, delay in enumerate(delays):
             count, rho = divmod(delay, step)
             if min(rho, step - rho) < step * SAME_SAMPLE:
                 count, rho = round(delay / step), Fraction(0)
-            before, now, after, direct_before, direct_now = _pieces(system, exponentials, j, rho, step, hold)
-            direct_before, direct_now = direct_before - _column(slopes, j), direct_now + _column(slopes, j)
-            columns.append([_floats(m) for m in (before, Phi * after + now, after, direct_before, system.C * after + direct_now)])
+            own = B[:, [j]], C, D[:, [j]]
+            before, now, after, direct_before, direct_now = _pieces(own, exponentials, j, rho, step, hold)
+            direct_before, direct_now = direct_before - slopes[:, [j]], direct_now + slopes[:, [j]]
+            parts = before, _product(Phi, after) + now, after, direct_before, _product(C, after) + direct_now
+            columns.append([_floats(part) for part in parts])
             memories.append(bool(columns[-1][0].any() or columns[-1][3].any()))
             counts.append(int(count))
-        return _joined(_floats(Phi), _floats(system.C), columns, memories, counts)
+        return _joined(_floats(Phi), _floats(C), columns, memories, counts)
 
 
-def _in_balls(A, B, descriptor) -> tuple[flint.arb_mat, flint.arb_mat]:
-    """E^-1 A and E^-1 B, exactly before they become balls."""
-    if descriptor is None:
-        return _balls(A), _balls(B)
-    n, p = B.shape
-    solution = rational_matrix(descriptor).solve(rational_matrix(np.hstack([A, B])))
-    states, inputs = (
-        flint.arb_mat(n, end - begin, [flint.arb(solution[i, j]) for i in range(n) for j in range(begin, end)])
-        for begin, end in ((0, n), (n, n + p))
-    )
-    return states, inputs
-
-
-def _pieces(
-    system: _Continuous, exponentials: Callable[[Fraction], Exponentials], j: int, rho: Fraction, step: Fraction, hold: Hold
-) -> tuple[flint.arb_mat, ...]:
+def _pieces(own, exponentials: Callable[[Fraction], list[np.ndarray]], j: int, rho: Fraction, step: Fraction, hold: Hold) -> tuple:
     """The factors of u_(k-1), u_k and u_(k+1) in x_(k+1), then of u_(k-1) and u_k in y_k, of the input j late by rho."""
-    share, h, B, D = _ball(rho / step), _ball(step), _column(system.B, j), _column(system.D, j)
-    nothing, none = flint.arb_mat(B.nrows(), 1), flint.arb_mat(D.nrows(), 1)
+    share, h, (B, C, D) = _ball(rho / step), _ball(step), own
+    nothing, none = 0 * B, 0 * D
     (Phi, *late), (_, *early) = exponentials(step - rho), exponentials(rho)
-    G1, G2, F1, F2 = (_column(matrix, j) for matrix in (*late, *early))
+    G1, G2, F1, F2 = (matrix[:, [j]] for matrix in (*late, *early))
     if hold == 0:
-        return Phi * F1, G1, nothing, D if rho else none, none if rho else D
+        return _product(Phi, F1), G1, nothing, D if rho else none, none if rho else D
     if hold == 1:
         first, second = F1 * share - F2 * (1 / h), F1 * (1 - share) + F2 * (1 / h)
-        return Phi * first, G1 - G2 * (1 / h) + Phi * second, G2 * (1 / h), D * share, D * (1 - share)
-    return nothing, Phi * B, nothing, none, none if rho else system.C * B
+        through = G1 - G2 * (1 / h) + _product(Phi, second)
+        return _product(Phi, first), through, G2 * (1 / h), D * share, D * (1 - share)
+    return nothing, _product(Phi, B), nothing, none, none if rho else _product(C, B)
 
 
 def _joined(Phi, C, columns, memories: Sequence[bool], counts: Sequence[int]) -> DiscretizedSystem:
@@ -151,19 +120,18 @@ def _joined(Phi, C, columns, memories: Sequence[bool], counts: Sequence[int]) ->
     return DiscretizedSystem(A, B, outputs, D, np.eye(n), start_input, tuple(delayed))
 
 
-def _column(matrix: flint.arb_mat, j: int) -> flint.arb_mat:
-    return flint.arb_mat(matrix.nrows(), 1, [matrix[i, j] for i in range(matrix.nrows())])
-
-
 def _ball(number: Fraction) -> flint.arb:
     return flint.arb(rational(number))
 
 
-def _balls(matrix: np.ndarray) -> flint.arb_mat:
-    rows, columns = matrix.shape
-    return flint.arb_mat(rows, columns, [flint.arb(value) for value in matrix.ravel().tolist()])
+_balls = np.vectorize(flint.arb, [object])
 
 
-def _floats(matrix: flint.arb_mat) -> np.ndarray:
-    values = [0.0 if entry.contains(0) else float(entry.mid()) for entry in matrix.entries()]
-    return np.array(values).reshape(matrix.nrows(), matrix.ncols())
+def _product(one: np.ndarray, other: np.ndarray) -> np.ndarray:
+    """The product of matrices of balls."""
+    if not one.size:
+        return _balls(np.zeros((len(one), other.shape[1])))
+    return np.array((flint.arb_mat(one.tolist()) * flint.arb_mat(other.tolist())).tolist(), dtype=object)
+
+
+_floats = np.vectorize(lambda entry: 0.0 if entry.contains(0) else float(entry.mid()), [float])

@@ -45,19 +45,13 @@ def vector_of(values: Iterable) -> Vector:
 
 
 def _of_origin(origin: ExactInput) -> Iterator[ExactSource]:
-    make: dict[type, Callable[..., Iterator[ExactSource]]] = {
-        ExactTerm: _of_term,
-        ExactImpulse: _of_impulse,
-        ExactRecord: _of_record,
-        ExactStates: _of_states,
-    }
-    for source in make[type(origin.data)](origin.data, origin):
+    for source in _MADE[type(origin.data)](origin.data, origin):
         for change in origin.maps:
             if np.ndim(change):
-                source = replace(source, vector=_product([vector_of(row) for row in np.asarray(change)], source.vector))
+                source = replace(source, vector=tuple(applied([vector_of(row) for row in np.asarray(change)], source.vector)))
             else:
                 source = replace(source, factor=source.factor * rational(change))
-        yield replace(source, shape=source.shape.derivative(origin.derivatives))
+        yield replace(source, shape=source.shape.times(S**origin.derivatives))
 
 
 def _of_term(term: ExactTerm, origin: ExactInput) -> Iterator[ExactSource]:
@@ -70,8 +64,9 @@ def _of_term(term: ExactTerm, origin: ExactInput) -> Iterator[ExactSource]:
         yield ExactSource(with_sine, vector, time, sine * flint.fmpq(-1))
 
 
-def _of_impulse(impulse: ExactImpulse, origin: ExactInput) -> Iterator[ExactSource]:
-    yield ExactSource(delta(impulse.order), vector_of(impulse.vector), rational(origin.rounded_time()), flint.fmpq(1))
+def _impulses(vectors: Iterable, time: float) -> Iterator[ExactSource]:
+    for order, vector in enumerate(vectors):
+        yield ExactSource(delta(order), vector_of(vector), rational(time), flint.fmpq(1))
 
 
 def _of_record(record: ExactRecord, origin: ExactInput) -> Iterator[ExactSource]:
@@ -91,11 +86,9 @@ def _of_record(record: ExactRecord, origin: ExactInput) -> Iterator[ExactSource]
 
 def _of_states(data: ExactStates, origin: ExactInput) -> Iterator[ExactSource]:
     """e^{J (t - t_j)} z_j between knots: each piece starts, and its continuation beyond the next knot is subtracted."""
-    for order, vector in enumerate(data.impulses):
-        yield ExactSource(delta(order), vector_of(vector), rational(origin.rounded_time()), flint.fmpq(1))
+    yield from _impulses(data.impulses, origin.rounded_time())
     for load in data.later:
-        for order, vector in enumerate(load.impulses):
-            yield ExactSource(delta(order), vector_of(vector), rational(origin.rounded_time(load.time)), flint.fmpq(1))
+        yield from _impulses(load.impulses, origin.rounded_time(load.time))
     restarts = data.smooth.restarts
     moments = restarts.moments.tolist()
     knots = [rational(origin.time(moment.real)) + rational(moment.imag) for moment in moments]
@@ -125,7 +118,7 @@ def _propagated(generator, start: Vector, time: flint.fmpq) -> Vector | None:
     """e^{J t} v where it is rational, because J is nilpotent or v is zero."""
     total, power = start, start
     for k in range(1, len(generator) + 1):
-        power = tuple(entry * time / k for entry in _product(generator, power))
+        power = tuple(entry * time / k for entry in applied(generator, power))
         if not any(power):
             return total
         total = tuple(a + b for a, b in zip(total, power))
@@ -134,11 +127,8 @@ def _propagated(generator, start: Vector, time: flint.fmpq) -> Vector | None:
 
 def _states_shapes(block: np.ndarray) -> list[list[Shape]]:
     """The entries of (s I - J)^-1."""
-    size = len(block)
-    pencil = RationalMatrix([(-block).tolist(), np.eye(size).tolist()])
-    below = pencil.determinant
-    columns = [pencil.numerators([flint.fmpq_poly([int(k == entry)]) for k in range(size)]) for entry in range(size)]
-    return [[_reduced(columns[column][row], below) for column in range(size)] for row in range(size)]
+    pencil = RationalMatrix([(-block).tolist(), np.eye(len(block)).tolist()])
+    return [[_reduced(entry, pencil.determinant) for entry in row] for row in pencil.adjugate]
 
 
 def _reduced(above: flint.fmpq_poly, below: flint.fmpq_poly) -> Shape:
@@ -146,8 +136,17 @@ def _reduced(above: flint.fmpq_poly, below: flint.fmpq_poly) -> Shape:
     return Shape(above // common, below // common)
 
 
-def _product(matrix, vector: Vector) -> Vector:
-    return tuple(sum((a * b for a, b in zip(row, vector) if a and b), flint.fmpq(0)) for row in matrix)
+def applied(matrix: Iterable[Iterable[flint.fmpq]], values: Sequence, zero=flint.fmpq(0)) -> list:
+    """The product of a matrix with numbers, or with polynomials and their zero."""
+    return [sum((entry * value for entry, value in zip(row, values) if entry and value), zero) for row in matrix]
+
+
+_MADE: dict[type, Callable[..., Iterator[ExactSource]]] = {
+    ExactTerm: _of_term,
+    ExactImpulse: lambda data, origin: _impulses([*[0 * data.vector] * data.order, data.vector], origin.rounded_time()),
+    ExactRecord: _of_record,
+    ExactStates: _of_states,
+}
 
 
 # Real factors of inputs: rational ones, and those that are known as balls of any precision, such as the cosine of a phase.
@@ -232,9 +231,9 @@ class Shape:
     numerator: flint.fmpq_poly
     denominator: flint.fmpq_poly = field(default_factory=lambda: flint.fmpq_poly([1]))
 
-    def derivative(self, order: int) -> Shape:
-        """The derivative in the sense of distributions, with jumps and impulses at t = 0."""
-        return Shape(self.numerator * S**order, self.denominator) if order else self
+    def times(self, p: flint.fmpq_poly) -> Shape:
+        """The function after p(d/dt), with jumps and impulses at t = 0."""
+        return Shape(self.numerator * p, self.denominator)
 
     @property
     def key(self) -> tuple:

@@ -16,7 +16,7 @@ from ...ground.errors import InputError, Overflow
 from ...ground.notices import Notice
 from ...polynomial.delayed_terms import DelayedTerm
 from ...polynomial.polynomial_matrix import PolynomialMatrix
-from ..rational import known_matrix, rational, rational_matrix, working_precision
+from ..rational import known_matrix, rational, rational_matrix, value_at, working_precision
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -211,14 +211,6 @@ def _is_known(value: flint.acb, digits: int) -> bool:
     return all(part == 0 or has_digits(part, digits) or bool(part.abs_upper() < limit) for part in (value.real, value.imag))
 
 
-def _polynomial(coefficients: Sequence[flint.fmpq_mat], s: flint.acb) -> flint.acb_mat:
-    matrix = None
-    for coefficient in coefficients[::-1]:
-        own = flint.acb_mat(coefficient)
-        matrix = own if matrix is None else matrix * s + own
-    return matrix
-
-
 def _transfer(
     exact: Sequence[flint.fmpq_mat],
     imaginary,
@@ -231,9 +223,9 @@ def _transfer(
 ) -> list[flint.acb] | None:
     omega = 2 * flint.arb.pi() * flint.arb(rational(Fraction(frequency_hz)))
     s = flint.acb(0, omega)
-    matrix = _polynomial(exact, s)
+    matrix = value_at([flint.acb_mat(one) for one in exact], s)
     for delay, term in delayed:
-        matrix = matrix + _polynomial(term, s) * (-s * flint.arb(delay)).exp()
+        matrix = matrix + value_at([flint.acb_mat(one) for one in term], s) * (-s * flint.arb(delay)).exp()
     if imaginary is not None:
         matrix = matrix + flint.acb_mat(rational_matrix(imaginary)) * flint.acb(0, 1)
     try:

@@ -19,7 +19,7 @@ from ...polynomial.polynomial_matrix import PolynomialMatrix
 from ...signals.sequences import GeometricSequence, GeometricTerm, stirling_numbers
 from ..rational import RationalMatrix, exact_value, rational, rational_matrix, working_precision
 from .exact_response import MOST_BITS, ROUNDED_BITS, SMALLEST_EXPONENT, ZERO, Inverse, RationalResponse, real_sums, start_transform
-from .exact_sources import ONE, Shape, ball, harmonic_powers, phase_factors, summed, vector_of
+from .exact_sources import ONE, Shape, Vector, applied, ball, harmonic_powers, phase_factors, summed, vector_of
 
 #: Bits of the first attempt, and of ratios e^(a + i w), whose error then does not matter up to any k that has a value in float64.
 FIRST_BITS, RATIO_BITS = 128, 600
@@ -51,20 +51,15 @@ class RealizedMatrix:
         """The inverse times b, times the determinant."""
         total = [ZERO_POLYNOMIAL] * self.size
         if self._pencil is not None:
-            total = applied(self._C, self._pencil.numerators(applied(self._B, b)))
+            total = applied(self._C, self._pencil.numerators(applied(self._B, b, ZERO_POLYNOMIAL)), ZERO_POLYNOMIAL)
         for power, matrix in enumerate(self._H):
             shift = self.determinant.left_shift(power)
-            total = [one + other * shift for one, other in zip(total, applied(matrix, b))]
+            total = [one + other * shift for one, other in zip(total, applied(matrix, b, ZERO_POLYNOMIAL))]
         return total
 
 
-def exact_rows(matrix: np.ndarray) -> list[list[flint.fmpq]]:
-    return [[rational(entry) for entry in row] for row in np.asarray(matrix).tolist()]
-
-
-def applied(matrix: Sequence[Sequence[flint.fmpq]], values: Sequence, zero=ZERO_POLYNOMIAL) -> list:
-    """The product of a matrix with polynomials, or with numbers and their zero."""
-    return [sum((entry * value for entry, value in zip(row, values) if entry and value), zero) for row in matrix]
+def exact_rows(matrix: np.ndarray) -> list[Vector]:
+    return [vector_of(row) for row in np.asarray(matrix).tolist()]
 
 
 def inverse_columns(inverse: Inverse, size: int) -> tuple[RationalResponse, ...]:
@@ -81,7 +76,7 @@ def response_to(
     b, below = start_transform(coefficients, [vector_of(row) for row in initial.tolist()]), ONE
     if sequence is not None:
         own, below = transform_of(sequence)
-        own = own if matrix is None else applied(exact_rows(matrix), own)
+        own = own if matrix is None else applied(exact_rows(matrix), own, ZERO_POLYNOMIAL)
         b = [one * below + other for one, other in zip(b, own)]
     return RationalResponse(inverse, b, below, range(A.size))
 

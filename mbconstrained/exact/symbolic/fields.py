@@ -81,10 +81,7 @@ def check_positive(symbols: Iterable[sympy.Symbol]) -> None:
 
 
 def field_of(expressions: list[sympy.Expr]) -> Domain:
-    """The smallest of Q, Q(symbols, pi) and the same with square roots of rationals that has all the expressions.
-
-    ``sympy.construct_domain`` would take rings of polynomials, and more square roots.
-    """
+    """The smallest of Q, Q(symbols, pi) and the same with square roots of rationals that has all the expressions."""
     generators = generators_of(expressions)
     for one, other in pairwise(generators):
         if str(one) == str(other):
@@ -219,10 +216,7 @@ def as_positive(symbols: Iterable) -> dict[sympy.Symbol, sympy.Symbol]:
 
 
 def sign(field: Domain, value) -> int | None:
-    """Sign (1, -1 or 0) of the element for all positive values of the symbols; None where it is undecided.
-
-    Coefficients of one sign decide, factor by factor; so does a negative discriminant in one of the symbols.
-    """
+    """Sign (1, -1 or 0) for all positive values of the symbols, by coefficients and discriminants of factors; None where it is undecided."""
     if not value:
         return 0
     if not field.is_FractionField:

@@ -107,18 +107,12 @@ Parts = tuple[sympy.Expr, sympy.Expr]
 
 @dataclass(frozen=True)
 class Root:
-    """A zero of an irreducible polynomial p.
+    """A zero of an irreducible polynomial; of a complex pair the one with the positive imaginary part, where its sign is seen."""
 
-    Attributes:
-        real, imaginary: its parts; the imaginary one is 0 for a real zero, and of a complex pair this is the zero with the
-            positive one, where the sign is seen. Where it depends on the symbols whether two zeros are real (under- or
-            overdamped), a square root in them may be one of a negative number, as in Moysis et al., Eq. 95.
-        at: the parts of e(root) for a Poly e over the field.
-    """
-
+    # Where it depends on the symbols whether two zeros are real, a square root may be one of a negative number (Moysis et al., Eq. 95).
     real: sympy.Expr
-    imaginary: sympy.Expr
-    at: Callable[[sympy.Poly], Parts]
+    imaginary: sympy.Expr  # 0 of a real zero
+    at: Callable[[sympy.Poly], Parts]  # the parts of e(root) for a Poly e over the field
 
     @property
     def value(self) -> sympy.Expr:
@@ -267,10 +261,7 @@ ORDER = {1: 0, -1: 1, None: 2}
 
 
 def quadratic_factors(q: sympy.Poly) -> tuple[Surd, Surd] | None:
-    """(a, b) with the quartic q = (s^2 + a s + b) times its conjugate (Ferrari), real where it can be; None where there is none.
-
-    They are there for s^4 + b s^2 + c, and with Rayleigh damping.
-    """
+    """(a, b) with the quartic q = (s^2 + a s + b) times its conjugate (Ferrari), real where it can be; None where there is none."""
     field = q.domain
     h = q.rep.to_list()[1] / field.convert(4)
     moved = q.compose(sympy.Poly([field.one, -h], q.gen, domain=field)).rep.to_list()

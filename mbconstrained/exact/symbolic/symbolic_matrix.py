@@ -18,7 +18,7 @@ from ...ground.by_name import Public
 from ...ground.checks import names_of
 from ...ground.errors import InputError, SingularPolynomialMatrix
 from ...polynomial.polynomial_matrix import PolynomialMatrix
-from ...polynomial.structure import singular_sentence
+from ...polynomial.structure import FiniteZero, singular_sentence
 from ..engine import ExactJordanPairs, ExactMatrix, ExactPair, ExactStructure, HypercompanionBlock, JordanChain, RootPolynomials
 from .fields import (
     VARIABLE,
@@ -50,20 +50,10 @@ LONGEST_TEXT = 60
 
 
 @dataclass(frozen=True)
-class SymbolicZero:
-    """A zero of A(s).
+class SymbolicZero(FiniteZero):
+    """A zero of A(s), its value in radicals, or with 30 digits where there are no symbols."""
 
-    Attributes:
-        value: in 1/s, in radicals, or with 30 digits where there are no symbols; of a complex pair the one above the real axis
-            stands for both.
-        multiplicity, partial_multiplicities: as in ``FiniteZero``.
-        is_pair: True where it stands for two.
-    """
-
-    value: sympy.Expr
-    multiplicity: int
-    partial_multiplicities: tuple[int, ...]
-    is_pair: bool = False
+    is_pair: bool = False  # True where the one above the real axis stands for both of a complex pair
 
     @property
     def count(self) -> int:
@@ -72,10 +62,7 @@ class SymbolicZero:
 
 
 def factors_of(p: sympy.Poly) -> Factors:
-    """The monic irreducible factors of p over its field with their powers, those of low degree first.
-
-    Over rational functions of symbols, p times its denominators is factored as a polynomial in s and the symbols (Gauss).
-    """
+    """The monic irreducible factors of p over its field with their powers, those of low degree first (by Gauss those of a polynomial in s and the symbols)."""
     order = min((power for (power,), _ in p.terms()), default=0)
     rest = sympy.Poly(p.rep.to_list()[: p.degree() - order + 1], p.gen, domain=p.domain) if order else p  # factoring is slow
     factors = [(sympy.Poly([p.domain.one, p.domain.zero], p.gen, domain=p.domain), order)] if order else []
@@ -89,18 +76,8 @@ def factors_of(p: sympy.Poly) -> Factors:
 
 
 def inverse_modulo(unit: sympy.Poly, modulus: sympy.Poly) -> sympy.Poly:
-    """1 / unit modulo a polynomial: the first column of the inverse of the matrix of v -> unit v.
-
-    By elimination without fractions: those of Euclid's algorithm grow. Modulo s^k it is a power series.
-    """
+    """1 / unit modulo a polynomial: the first column of the inverse of v -> unit v, by elimination without fractions, since those of Euclid's algorithm grow."""
     unit, field, degree, ring = unit.rem(modulus), unit.domain, modulus.degree(), integers(unit.domain)
-    if len(modulus.terms()) == 1:
-        first, *others = coefficients(unit, degree)
-        series = [field.one / first]
-        for j in range(1, degree):
-            known = sum((c * series[j - i] for i, c in enumerate(others[:j], 1)), field.zero)
-            series.append(-known * series[0])
-        return sympy.Poly(series[::-1], unit.gen, domain=field)
     columns = [coefficients((unit * sympy.Poly(unit.gen**i, unit.gen, domain=field)).rem(modulus), degree) for i in range(degree)]
     scale = common_denominator(field, itertools.chain(*columns))
     rows = [[ring.convert_from(column[i] * scale, field) for column in columns] for i in range(degree)]
@@ -155,7 +132,7 @@ class SymbolicRing:
     def finite_zeros(self, divisors) -> tuple[SymbolicZero, ...]:
         """Finite zeros: with symbols those of factors of degree 1, 2 and s^4 + b s^2 + c (``roots``); for numbers all."""
         return tuple(
-            SymbolicZero(root.value, multiplicity, exponents, root.is_pair)
+            SymbolicZero(root.value, multiplicity, exponents, is_pair=root.is_pair)
             for p, multiplicity, exponents in divisors
             for root in self.roots(p) or ()
         )
@@ -471,7 +448,7 @@ class SymbolicJordanPairs(ExactJordanPairs):
     def assumptions(self) -> tuple[sympy.Expr, ...]:
         """Expressions in the symbols that must not vanish for both pairs: those of the structure, and every pivot."""
         terms = () if self._is_one_companion else self.terms
-        pivots = (_resultant(term.divisor, term.pivot) for term in terms)
+        pivots = (term.divisor.rep.resultant(term.pivot.rep) for term in terms)
         return must_not_vanish(self.matrix.field, itertools.chain(self._divided_by(), pivots))
 
     def structure_assumptions(self) -> tuple[sympy.Expr, ...]:
@@ -483,11 +460,11 @@ class SymbolicJordanPairs(ExactJordanPairs):
         yield from (field.convert(field.denom(c), field.get_ring()) for matrix in A.elements for row in matrix for c in row)
         yield A.determinant.rep.LC()
         for place, (p, multiplicity) in enumerate(self.factors):
-            yield from (_resultant(p, other) for other, _ in self.factors[:place])
+            yield from (p.rep.resultant(other.rep) for other, _ in self.factors[:place])
             if p.degree() > 1 and self.ring.roots(p) is not None:
-                yield _resultant(p, p.diff())
+                yield p.rep.resultant(p.diff().rep)
             if multiplicity > 1:
-                yield from (_resultant(p, term.pivot) for term in self.root_polynomials(place))
+                yield from (p.rep.resultant(term.pivot.rep) for term in self.root_polynomials(place))
         yield from (term.pivot.rep.LC() for term in self.infinity)
 
     @property
@@ -501,21 +478,12 @@ class SymbolicJordanPairs(ExactJordanPairs):
 
 @dataclass(frozen=True, repr=False, eq=False)
 class Block:
-    """The part of the finite pair that belongs to one elementary divisor p^k and one of its zeros.
+    """The part of the finite pair that belongs to one elementary divisor p^k and one of its zeros."""
 
-    Attributes:
-        kind: "jordan"; "real jordan", of a complex pair a +- i b, with [[a, b], [-b, a]] on the diagonal (Moysis et al., Eq. 38);
-            "companion", the block companion matrix of all of A(s).
-        polynomial, length: p and k.
-        zero: in radicals, or with 30 digits where there are no symbols, of a pair the one above the real axis; None of a
-            companion matrix.
-        C, J, B: its columns, square and rows.
-    """
-
-    kind: str
-    polynomial: sympy.Poly
-    length: int
-    zero: sympy.Expr | None
+    kind: str  # "jordan"; "real jordan", of a pair, [[a, b], [-b, a]] on the diagonal (Moysis et al., Eq. 38); "companion" of all A(s)
+    polynomial: sympy.Poly  # p
+    length: int  # k
+    zero: sympy.Expr | None  # in radicals or with 30 digits, of a pair the one above the real axis; None of a companion matrix
     C: sympy.ImmutableMatrix
     J: sympy.ImmutableMatrix
     B: sympy.ImmutableMatrix
@@ -542,10 +510,7 @@ def _jordan_block(chain: JordanChain, root: Root) -> Block:
 
 
 def _companion_block(A: SymbolicPolynomialMatrix, p: sympy.Poly) -> Block:
-    """C = [I 0 ... 0], J = [0 I; -A_q^-1 A_0 ... -A_q^-1 A_(q-1)] and B = [0; A_q^-1], where A_q is invertible and det A ~ p.
-
-    C (s I - J)^-1 B = A(s)^-1. No entry is longer than A_q^-1 makes it, while the chains of such a p are long.
-    """
+    """C = [I 0 ... 0], J = [0 I; -A_q^-1 A_0 ... -A_q^-1 A_(q-1)], B = [0; A_q^-1], short where the chains of an irreducible det A are long."""
     q, r, shape = A.degree, A.size, (A.size, A.size)
     *lower, leading = (DomainMatrix(rows, shape, A.field) for rows in A.elements)
     inverse = leading.inv()
@@ -572,8 +537,3 @@ def must_not_vanish(field: Domain, values: Iterable) -> tuple[sympy.Expr, ...]:
                     is_definite[factor] = sign(field, field.convert(factor, ring)) in (1, -1)
     doubtful = [ring.to_sympy(factor) for factor, definite_sign in is_definite.items() if not definite_sign]
     return tuple(sorted(doubtful, key=lambda e: (sympy.count_ops(e), str(e))))
-
-
-def _resultant(p: sympy.Poly, other: sympy.Poly):
-    """Resultant of two Polys over the field, an element of it: zero where they have a common zero."""
-    return p.domain.from_sympy(p.resultant(other))

@@ -14,4 +14,4 @@ if TYPE_CHECKING:
 
 def is_switched(motion: object) -> TypeGuard[SwitchedMotion]:
     """Whether a motion has phases; their modules are not imported for the others."""
-    return hasattr(motion, "phases")
+    return hasattr(type(motion), "phases")

@@ -195,7 +195,8 @@ class RefinedModes:
         n = len(self.left)
         poles = self.whole(self.poles.high)[:n]
         distance = np.maximum(np.abs(np.subtract.outer(poles, poles)), np.abs(poles)[:, None])
-        return float(np.max(self.driven[:, :n] / distance, initial=0.0))
+        with np.errstate(divide="ignore", invalid="ignore"):  # of poles that coincide at zero: infinite, or not a number
+            return float(np.max(self.driven[:, :n] / distance, initial=0.0))
 
     @cached_property
     def turns(self) -> tuple[DoubleDouble, DoubleDouble]:

@@ -24,6 +24,7 @@ from ...ground.checks import counted, listed
 from ...ground.errors import InputError
 from ...ground.files import isolated
 from ...ground.notices import Notice, NoticeKind
+from ...ground.tolerances import LOOPS_CLOSED_AS_ROUNDED
 from ...ground.units import GROUND
 from ..connections import Bushing, Loop, Segment, Tendon
 from ..flexible_joint import Motor
@@ -508,6 +509,7 @@ class _Reader:
     def _loop(self, number: int, kind: str, data: np.ndarray, first: int, second: int, name: str) -> None:
         """Loop with the anchors that MuJoCo has computed, in body1 and body2."""
         import mujoco
+        import pinocchio
 
         mj = self.mj
         points, frames = [data[:3], data[3:6]], [np.eye(3), np.eye(3)]
@@ -517,7 +519,18 @@ class _Reader:
             first, second = (int(mj.site_bodyid[site]) for site in (first, second))
         elif kind == "WELD":
             points, frames = [data[3:6], data[:3]], [_rotation(data[6:10]), np.eye(3)]
-        if self.places[first][0] == self.places[second][0]:
+        if self.places[first][0] == self.places[second][0]:  # one rigid body, in which a closed loop is without effect
+            one, other = (self.places[body][1] * pinocchio.SE3(*end) for body, *end in zip((first, second), frames, points))
+            gap = one.inverse() * other
+            turn = float(np.linalg.norm(pinocchio.log3(gap.rotation))) * bool(kind == "WELD" and data[10])
+            if max(float(np.linalg.norm(gap.translation)), turn) > LOOPS_CLOSED_AS_ROUNDED:
+                what = f'the equality "{short(name)}"' if name else f"equality {number + 1}"
+                bodies = " and ".join(f'"{short(self._body(body))}"' for body in (first, second))
+                raise InputError(
+                    f"mjcf: {what} joins {bodies}, between which there is no joint, where they are apart: it is never closed; take "
+                    'it out, or set active="false"'
+                )
+            mj.eq_active0[number] = False
             return
         ends = (self._body(first), points[0].tolist(), self._body(second), points[1].tolist())
         turns: dict[str, Any] = {}

@@ -227,7 +227,7 @@ class ControlEquations(Equations):
         counts = ((control.system.states, "state"), (control.inputs.names, "input"), (control.outputs.names, "output"))
         return True, ", ".join(counted(len(names), what) for names, what in counts)
 
-    def rows_decision(self) -> Decision:
+    def rows_decision(self, removed: int | None = None, none: str = "") -> Decision:
         return False, f"a {'transfer function' if self.control.transfer_function else 'state space'} has no constraint rows"
 
     def outputs_decision(self, plots: Sequence[str]) -> Decision:

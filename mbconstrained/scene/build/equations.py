@@ -67,33 +67,31 @@ ENTRY_UNITS = {
 
 def equations_of(table, folder: SceneFolder, file_name: SceneName, lap: Callable[[str], object] = lambda stage: None) -> Equations:
     """Assemble the equations of a scene, with the input or the motion that reaches its end where one is given."""
-    equations = _assembled(table, folder, file_name, lap)
+    kind = table.model.kind
+    if kind == "state-space":
+        from .control_model import state_space
+
+        equations = state_space(table, folder, file_name, lap)
+    elif kind == "transfer-function":
+        from .control_model import transfer_function
+
+        equations = transfer_function(table, folder, file_name)
+    elif kind == "robot":
+        from .robot_model import robot_scene, robot_switches
+
+        robot = robot_scene(table.model, table.robot, folder.path, file_name, lap)
+        parts = robot_switches(table.model, robot.data, file_name)
+        machine = (lambda moved: moved[0].with_switches(*parts)) if parts else None
+        equations = _mechanical(table, robot.system, robot.coordinates, folder, file_name, robot=robot, machine=machine)
+    else:
+        of_kind = _lumped if kind == "lumped" else _matrices if table.model.coefficients is None else _coefficients
+        equations = of_kind(table, folder, file_name)
     if table.boundary is None and table.least_energy is None:
         return equations
     lap("assemble the model")
     equations = with_end(table, equations, file_name)
     lap("boundary values" if table.boundary else "input of least energy")
     return equations
-
-
-def _assembled(table, folder: SceneFolder, file_name: SceneName, lap: Callable[[str], object]) -> Equations:
-    kind = table.model.kind
-    if kind in ("transfer-function", "state-space"):
-        from .control_model import state_space, transfer_function
-
-        if kind == "state-space":
-            return state_space(table, folder, file_name, lap)
-        return transfer_function(table, folder, file_name)
-    if kind == "robot":
-        from .robot_model import robot_scene, robot_switches
-
-        robot = robot_scene(table.model, table.robot, folder.path, file_name, lap)
-        parts = robot_switches(table.model, robot.data, file_name)
-        machine = (lambda moved: moved[0].with_switches(*parts)) if parts else None
-        return _mechanical(table, robot.system, robot.coordinates, folder, file_name, robot=robot, machine=machine)
-    if kind == "lumped":
-        return _lumped(table, folder, file_name)
-    return (_matrices if table.model.coefficients is None else _coefficients)(table, folder, file_name)
 
 
 def _lumped(table, folder: SceneFolder, file_name: str) -> Equations:
@@ -156,7 +154,13 @@ def _matrices_of(owner, keys: Iterable[str], folder: SceneFolder, file_name: str
     for key in keys:
         source = getattr(owner, key)
         with at(file_name, f"{where}.{key}"):
-            matrices[key] = None if source is None else _square(entries_of(source, folder))
+            matrices[key] = None
+            if source is not None:
+                entries = entries_of(source, folder)
+                rows, columns = entries.shape
+                if rows != columns or not rows:
+                    raise InputError(f"found {rows} rows and {columns} columns; expected a square matrix")
+                matrices[key] = entries.astype(float)  # parameters at their default values
     return matrices
 
 
@@ -209,14 +213,19 @@ def _mechanical(
 ) -> Equations:
     """The equations of a mechanical system with the motions, damping, speed, start and loads of the scene; those that switch are made by
     a machine of this system and others."""
-    moved, of_motions = _moving(table, (system, *others), coordinates, folder, file_name, robot)
+    given = table, (system, *others), coordinates, folder, file_name, robot
+    moved, of_motions, shapers = _moving(*given, NONE_SHAPED), NONE_SHAPED, NONE_SHAPED
+    if any(motion.shaper for motion in table.motion):
+        of_motions = shapers_of(table.motion, "motion", moved[0][0].modes, file_name)
+        moved = _moving(*given, of_motions)
     system, rotor = moved[0]
-    shapers = shapers_of(table.force, "force", system.modes, file_name)
+    if any(load.shaper for load in table.force):
+        shapers = shapers_of(table.force, "force", system.modes, file_name)
     linearized = robot and system
     initial = initial_values(table.initial, coordinates, 2, file_name).astype(float)
     if table.initial.follow:
         initial = consistent_values(initial, table.initial, system, coordinates, file_name)
-    loads = loads_of(table.force, coordinates, folder, file_name, linearized, shapers)
+    loads = loads_of(table.force, coordinates, folder, file_name, linearized, shapers) if table.force else ()
     if rotor is not None and rotor.unbalance is not None:
         loads += unbalance_loads(rotor.unbalance, table.model.speed or 0.0, coordinates)
     switching = None
@@ -235,7 +244,7 @@ def _mechanical(
             if one is not None:
                 one.load_patterns = patterns
     problem = coordinates, polynomial_matrix, initial, force_of(loads), system
-    ends = shaped(table.motion, of_motions, table.force, shapers)
+    ends = shaped(table.motion, of_motions, table.force, shapers) if of_motions or shapers else ()
     if robot is None:
         return Equations(*problem, model, loads=loads, rotor=rotor, ends=ends, switching=switching)
     from .robot_model import RobotEquations
@@ -251,38 +260,25 @@ def _moving(
     folder: SceneFolder,
     file_name: str,
     robot: RobotScene | None,
-) -> tuple[list[tuple[MechanicalSystem, MechanicalSystem | None]], Shapers]:
-    """The systems with prescribed motions, damping and speed, each with its rotor at rest, and the shapers of the motions."""
-
-    def moving(shapers: Shapers) -> list[tuple[MechanicalSystem, MechanicalSystem | None]]:
-        linearized = robot and robot.system  # which knows inputs by name
-        prescribed = prescribed_motions(table.motion, coordinates, folder, file_name, linearized, shapers) if table.motion else ()
-        moved = []
-        for own in systems:
-            with at(file_name, "motion"):
-                if linearized and table.motion:  # a moving base is at rest where nothing else is prescribed
-                    own = linearized.without_rows(f"motion of {name}" for name in table.prescribed.values())
-                own = own.with_constraints(*prescribed) if prescribed else own
-            own = _damped(table, own, file_name)  # of the modes with the supports at rest
-            moved.append(_turning(getattr(table.model, "speed", None), own, file_name))
-        return moved
-
-    moved = moving(NONE_SHAPED)
-    shapers = shapers_of(table.motion, "motion", moved[0][0].modes, file_name)
-    return (moving(shapers) if shapers else moved), shapers
-
-
-def _turning(speed: float | None, system: MechanicalSystem, file_name: str) -> tuple[MechanicalSystem, MechanicalSystem | None]:
-    """The system at the speed of the model, and the rotor at rest; None without rotation."""
-    if not system.turns:
-        if speed is not None:
-            with at(file_name, "model.speed"):
+    shapers: Shapers,
+) -> list[tuple[MechanicalSystem, MechanicalSystem | None]]:
+    """The systems with prescribed motions, damping and speed, each with its rotor at rest; None without rotation."""
+    linearized, speed = robot and robot.system, getattr(table.model, "speed", None)  # a robot knows inputs by name
+    prescribed = prescribed_motions(table.motion, coordinates, folder, file_name, linearized, shapers) if table.motion else ()
+    moved = []
+    for own in systems:
+        with at(file_name, "motion"):
+            if linearized and table.motion:  # a moving base is at rest where nothing else is prescribed
+                own = linearized.without_rows(f"motion of {name}" for name in table.prescribed.values())
+            own = own.with_constraints(*prescribed) if prescribed else own
+        own = _damped(table, own, file_name)  # of the modes with the supports at rest
+        with at(file_name, "model.speed"):
+            if not own.turns and speed is not None:
                 raise InputError(
                     "nothing of this model turns; give it a rotor, a gyroscopic or a circulatory matrix, or leave it out"
                 )
-        return system, None
-    with at(file_name, "model.speed"):
-        return system.at_speed(speed or 0.0), system
+            moved.append((own.at_speed(speed or 0.0), own) if own.turns else (own, None))
+    return moved
 
 
 def _damped(table, system: MechanicalSystem, file_name: str) -> MechanicalSystem:
@@ -364,14 +360,6 @@ def _filled(matrix: np.ndarray) -> np.ndarray:
     """A matrix with its parameters at their default values, or an InputError."""
     if not matrix.size:
         raise InputError("found an empty matrix; expected rows of numbers")
-    return matrix.astype(float)
-
-
-def _square(matrix: np.ndarray) -> np.ndarray:
-    """A matrix with its parameters at their default values, or an InputError."""
-    rows, columns = matrix.shape
-    if rows != columns or not rows:
-        raise InputError(f"found {rows} rows and {columns} columns; expected a square matrix")
     return matrix.astype(float)
 
 

@@ -150,15 +150,8 @@ class Equations:
 
         return solve(self.polynomial_matrix, initial=self.initial, force=self.force)
 
-    @property
-    def robot(self) -> Robot | None:
-        """The robot behind the system, or None."""
-        return self.robot_scene and self.robot_scene.robot
-
-    @property
-    def posture(self) -> Posture | None:
-        """The equilibrium about which the robot moves, or None."""
-        return self.robot_scene and self.robot_scene.posture
+    robot: ClassVar[Robot | None] = None  # the robot behind the system
+    posture: ClassVar[Posture | None] = None  # the equilibrium about which it moves
 
     # Names, outputs and forces besides those of the coordinates.
 
@@ -210,9 +203,7 @@ class Equations:
 
     # What reports say about the model; a result is a ``Result``.
 
-    def mesh_notices(self) -> tuple[Notice, ...]:
-        """Notices on meshes of a robot that cannot be drawn."""
-        return ()
+    mesh_notices: ClassVar[tuple[Notice, ...]] = ()  # on meshes of a robot that cannot be drawn
 
     def notices(self, result: Any) -> tuple[Notice, ...]:
         """Notices on the motion that only a model of this kind has."""
@@ -235,12 +226,14 @@ class Equations:
             return True, f"{counted(len(self.model.elements), 'element')}, {counted(len(self.coordinates.names), 'coordinate')}"
         return True, f"{counted(len(self.coordinates.names), 'coordinate')}, degree {self.polynomial_matrix.degree}"
 
-    def rows_decision(self) -> Decision:
+    def rows_decision(self, removed: int | None = None, none: str = "no constraint rows") -> Decision:
         """Redundant constraint rows are searched for where there are rows."""
         if self.system is None:
             return False, "A_0, A_1, … are given: constraints are equations among the others"
-        removed = sum(notice.kind == NoticeKind.REDUNDANT for notice in self.system.notices)
-        return rows_decision(len(self.system.rows), removed, "no constraint rows")
+        if removed is None:
+            removed = sum(notice.kind == NoticeKind.REDUNDANT for notice in self.system.notices)
+        rows = len(self.system.rows) + removed
+        return (True, f"{counted(rows, 'row')}, {removed} of them dependent") if rows else (False, none)
 
     def outputs_decision(self, plots: Sequence[str]) -> Decision:
         """Outputs of a robot or a state space."""
@@ -271,11 +264,6 @@ class Equations:
         """The reason why there is no energy; empty where there is."""
         known = "energy is known only where mass, damping and stiffness are given, not for coefficients"
         return known if self.system is None else ""
-
-
-def rows_decision(rows: int, removed: int, none: str) -> Decision:
-    """The decision on constraint rows, with the reason where there are none."""
-    return (True, f"{counted(rows + removed, 'row')}, {removed} of them dependent") if rows or removed else (False, none)
 
 
 def output_names(equations: Equations) -> OutputNames:

@@ -19,7 +19,7 @@ from ...ground.units import GROUND, force_unit
 from ...signals.bohl import BohlFunction
 from ..file import SceneName, at, robot_name, robot_path
 from ..quantities.coordinates import Coordinates
-from .model import Decision, Equations, ModelTables, rows_decision
+from .model import Decision, Equations, ModelTables
 from .robot_file import PLACE, RobotData, given, joint_values, point_motion, posing, robot_data, robot_of
 
 if TYPE_CHECKING:
@@ -83,7 +83,16 @@ class RobotEquations(Equations):
     def facts(self) -> tuple[tuple[str, str], ...]:  # type: ignore[override]
         return (robot_fact(self.robot_scene),)
 
-    def mesh_notices(self) -> tuple[Notice, ...]:
+    @property
+    def robot(self) -> Robot:  # type: ignore[override]
+        return self.robot_scene.robot
+
+    @property
+    def posture(self) -> Posture:  # type: ignore[override]
+        return self.robot_scene.posture
+
+    @property
+    def mesh_notices(self) -> tuple[Notice, ...]:  # type: ignore[override]
         return self.robot.mesh_notices()
 
     def notices(self, result: Any) -> tuple[Notice, ...]:
@@ -113,9 +122,9 @@ class RobotEquations(Equations):
     def unit_texts(self) -> int:  # type: ignore[override]
         return self.robot_scene.data.unit_texts
 
-    def rows_decision(self) -> Decision:
+    def rows_decision(self, removed: int | None = None, none: str = "") -> Decision:
         removed = len(self.posture.balance.load.row_names) - len(self.system.rows)
-        return rows_decision(len(self.system.rows), removed, "the robot has no loops: no rows are built")
+        return super().rows_decision(removed, "the robot has no loops: no rows are built")
 
     def outputs_decision(self, plots: Sequence[str]) -> Decision:
         if self.outputs is None:

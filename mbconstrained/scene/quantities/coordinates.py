@@ -216,7 +216,8 @@ def initial_values(table, coordinates: Coordinates, degree: int, file_name: str)
             if order >= degree and row:
                 start = ", ".join(DERIVATIVES[:degree]) or "no values"
                 raise InputError(f"the equations have degree {degree}: they start from {start}, nothing higher")
-            result[order] = _row(row, coordinates, order)
+            for name, value in given_values(row, coordinates, order).items():
+                result[order, coordinates.names.index(name)] = value
     return result
 
 
@@ -226,14 +227,8 @@ def state_values(given: dict | list, states: Coordinates, file_name: str) -> np.
             if name not in states.names:
                 hint = nearest(name, states.names)
                 raise InputError(f"there is no state {shown(name)}{hint}; the states are {', '.join(states.names)}")
-        return _row(given or {}, states, 0)
-
-
-def _row(row: dict | list, coordinates: Coordinates, order: int) -> np.ndarray:
-    values = np.full(len(coordinates.names), 0.0, dtype=object)
-    for name, value in given_values(row, coordinates, order).items():
-        values[coordinates.names.index(name)] = value
-    return values
+        values = given_values(given or {}, states, 0)
+    return np.array([values.get(name, 0.0) for name in states.names], dtype=object)
 
 
 def given_values(row: dict | list, coordinates: Coordinates, order: int) -> dict[str, Any]:

@@ -238,7 +238,6 @@ TEXTS = ("title", "source", "note", "name", "file", "array")  # keys of texts, w
 BY_COORDINATE = ("displacement", "velocity", "rows", "moves", "turns")  # tables whose keys are names that somebody chose
 RESERVED = {"t": "t is the time", "pi": "pi is the number 3.14159…", "π": "π is the number 3.14159…"}
 _NAME = re.compile(r"[^\W\d_]\w{0,39}")
-_PI = {"pi": Measured(Fraction(math.pi), None, True)}
 
 
 @dataclass(frozen=True)
@@ -360,7 +359,7 @@ class _Substitution:
         for name in expression.names:
             self._check(name, text)
         try:
-            value = expression.value(_measured, {**self.known, **_PI})
+            value = expression.value(_measured, {**self.known, "pi": Measured(Fraction(math.pi), None, True)})
         except InputError as problem:
             raise InputError(f"found {shown(text)}: {problem}") from None
         in_range(value.value, text)
@@ -377,7 +376,7 @@ class _Substitution:
         return frozenset().union(*(self.depends[name] for name in expression.names if name in self.depends))
 
     def _check(self, name: str, text: str) -> None:
-        if name in self.known or name in _PI:
+        if name in self.known or name == "pi":
             return
         if name in self.given:
             raise _Reported  # once, where the parameter stands

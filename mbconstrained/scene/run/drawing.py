@@ -35,6 +35,8 @@ def drawing_of(scene: SceneData, values=None, **scales: float) -> Drawing:
     drawing = own_drawing(scene) or automatic_drawing(scene, model and model.elements, values, **scales)
     if speed:
         return replace(drawing, revolution=2 * np.pi / abs(speed))
+    if not any(body.traced for body in drawing.bodies):
+        return drawing
     return replace(drawing, bodies=tuple(replace(body, traced=()) for body in drawing.bodies))
 
 
@@ -93,10 +95,6 @@ def _body_place(number: int, row: BodyTable) -> str:
     return f'drawing.body[{number}] (of "{row.name}")'
 
 
-def _link_place(number: int) -> str:
-    return f"drawing.link[{number}]"
-
-
 def _directions(scene: SceneData, drawing: Drawing, turn: Vector) -> dict[str, Vector]:
     """Directions of motion of bodies that state one, by name, in the axes of a drawing before it is turned."""
     bodies = {body.name: body for body in drawing.bodies}
@@ -150,7 +148,7 @@ def _body(row: BodyTable) -> DrawnBody:
 def _links(scene: SceneData, bodies: Collection[str]) -> tuple[DrawnLink, ...]:
     links = []
     for number, link in enumerate(scene.table.drawing.link, 1):
-        with at(scene.file_name, _link_place(number)):
+        with at(scene.file_name, f"drawing.link[{number}]"):
             for name in filter(None, (link.start, link.end, link.over)):
                 if name not in bodies:
                     raise InputError(f'there is no body "{name}" in the drawing{nearest(name, bodies)}')
@@ -169,11 +167,27 @@ def _given(entry) -> dict:
 
 
 def check_drawing(scene: SceneData) -> None:
+    """Check the names in the table [drawing], and that it can be drawn; otherwise a SceneError."""
     if scene.equations.robot:
         with at(scene.file_name, "drawing"):
             return _check_robot(scene.table.drawing)
-    _check_names(scene)
-    if scene.table.drawing.is_own or not scene.equations.has_outputs_among_coordinates:  # which are no places
+    drawing = scene.table.drawing
+    if not (drawing.body or drawing.link):
+        return None
+    bodies = [body.name for body in drawing.body]
+    for number, body in enumerate(drawing.body, 1):
+        with at(scene.file_name, _body_place(number, body)):
+            if bodies.count(body.name) > 1:
+                raise InputError("this name is used twice; names must differ")
+            for name in (*(body.moves or ()), *(body.turns or ())):
+                scene.equations.coordinates.number(name)
+    for number, link in enumerate(drawing.link, 1):
+        with at(scene.file_name, f"drawing.link[{number}]"):
+            if link.start == link.end:
+                raise InputError(f'start and end are the same body, "{link.start}"; name two bodies')
+    if drawing.is_own:
+        own_drawing(scene)
+    elif not scene.equations.has_outputs_among_coordinates:  # which are no places
         drawing_of(scene)
 
 
@@ -184,21 +198,6 @@ def _check_robot(drawing) -> None:
         raise InputError("a robot is drawn from its URDF: leave out stack")
     if drawing.along or drawing.about:
         raise InputError("a robot is drawn in the axes of its URDF: leave out along and about; use view to set the camera")
-
-
-def _check_names(scene: SceneData) -> None:
-    drawing = scene.table.drawing
-    bodies = [body.name for body in drawing.body]
-    for number, body in enumerate(drawing.body, 1):
-        with at(scene.file_name, _body_place(number, body)):
-            if bodies.count(body.name) > 1:
-                raise InputError("this name is used twice; names must differ")
-            for name in (*(body.moves or ()), *(body.turns or ())):
-                scene.equations.coordinates.number(name)
-    for number, link in enumerate(drawing.link, 1):
-        with at(scene.file_name, _link_place(number)):
-            if link.start == link.end:
-                raise InputError(f'start and end are the same body, "{link.start}"; name two bodies')
 
 
 #: Shares of the robot's size: thickness of plates, least width of the base plate, width of the plates under fixed points, height of a

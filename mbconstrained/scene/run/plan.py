@@ -7,6 +7,7 @@ A measurement takes some 0.1 ms and never fails.
 
 from __future__ import annotations
 
+import re
 import signal
 import sys
 import threading
@@ -21,6 +22,7 @@ from ...ground.display import TextTable
 #: Written into this file, "5" sets the highest resident memory back to the present one (man proc_pid_clear_refs).
 _CLEAR, _SET_BACK = "/proc/self/clear_refs", "5"
 _STATUS = "/proc/self/status"
+_RESIDENT = re.compile(r"^(VmHWM|VmRSS):\s*(\d+)", re.MULTILINE)
 
 #: Bytes per unit of ru_maxrss: macOS counts bytes, all others kilobytes (man getrusage).
 _UNIT_OF_GROWTH = 1 if sys.platform == "darwin" else 1024
@@ -58,52 +60,45 @@ class Costs:
 
     def lap(self, name: str) -> Cost:
         """Add the time since the previous lap to a name; return the cost of this lap."""
-        seconds, peak = time.perf_counter() - self._started, _highest()
+        seconds, (peak, _) = time.perf_counter() - self._started, _resident()
         cost = Cost(seconds, None if self._memory is None or peak is None else max(peak - self._memory, 0), peak)
         self.by_name[name] = self.by_name[name] + cost if name in self.by_name else cost
         self._begin()
         return cost
 
     def _begin(self) -> None:
-        self._memory = _status("VmRSS:") if _set_back() else _highest()
+        highest, now = _resident(is_set_back=True)
+        self._memory = highest if now is None else now
         self._started = time.perf_counter()
 
 
 def memory_note() -> str:
     """Description of the measurement of memory on this system."""
-    if _set_back() and _status("VmRSS:") is not None:
-        return OWN_PEAK
-    return NOT_MEASURED if _highest() is None else GROWTH
+    highest, now = _resident(is_set_back=True)
+    return OWN_PEAK if now is not None else NOT_MEASURED if highest is None else GROWTH
 
 
-def _set_back() -> bool:
-    """Whether the highest resident memory could be reset to the present one."""
+def _resident(*, is_set_back: bool = False) -> tuple[int | None, int | None]:
+    """The highest resident memory since it was last set back to the present one, or else since the start of the process, and the present
+    one where it is set back before, in bytes; None where that is not possible."""
     try:
-        with open(_CLEAR, "w", encoding="ascii") as file:
-            file.write(_SET_BACK)
+        if is_set_back:
+            with open(_CLEAR, "w", encoding="ascii") as file:
+                file.write(_SET_BACK)
     except OSError:
-        return False
-    return True
-
-
-def _highest() -> int | None:
-    """The highest resident memory since the reset, or else since the start of the process."""
-    if (highest := _status("VmHWM:")) is not None:
-        return highest
-    try:
-        import resource
-    except ImportError:  # Windows
-        return None
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * _UNIT_OF_GROWTH
-
-
-def _status(key: str) -> int | None:
-    """An entry of the status file in bytes."""
+        is_set_back = False
     try:
         with open(_STATUS, encoding="utf-8") as file:
-            return next((1024 * int(line.split()[1]) for line in file if line.startswith(key)), None)
-    except (OSError, ValueError, IndexError):
-        return None
+            found = {key: 1024 * int(kilobytes) for key, kilobytes in _RESIDENT.findall(file.read())}
+    except (OSError, ValueError):
+        found = {}
+    if "VmHWM" not in found:
+        try:
+            import resource
+        except ImportError:  # Windows
+            return None, None
+        found["VmHWM"] = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * _UNIT_OF_GROWTH
+    return found["VmHWM"], found.get("VmRSS") if is_set_back else None
 
 
 #: An alarm that comes during a finalizer, from which nothing can be raised, is lost: it is rung again after so many seconds.
@@ -198,7 +193,7 @@ class Plan:
     @property
     def total(self) -> Cost:
         """The cost of all stages that have run; memory above that at the start of the first."""
-        costs = list(self.costs.values())
+        costs = [stage.cost for stage in self.stages if stage.cost]
         peak = max((cost.peak for cost in costs if cost.peak is not None), default=None)
         known = peak is not None and costs[0].memory is not None
         memory = max(peak - (costs[0].peak - costs[0].memory), 0) if known else None
@@ -221,10 +216,10 @@ class Plan:
 
     def totals(self) -> str:
         """The cost of all stages in a line."""
-        ran = sum(stage.cost is not None or bool(stage.part_of) for stage in self.needed)
+        ran = sum(stage.needed and (stage.cost is not None or bool(stage.part_of)) for stage in self.stages)
         cost = self.total
-        memory = "" if cost.memory is None else f", {_cells(cost)[1]} MB of memory"
-        return f"{counted(ran, 'stage')} in {cost.seconds:.3g} s{memory}; {len(self.left_out)} left out"
+        memory = "" if cost.memory is None else f", {cost.memory / 1e6:.1f} MB of memory"
+        return f"{counted(ran, 'stage')} in {cost.seconds:.3g} s{memory}; {sum(not stage.needed for stage in self.stages)} left out"
 
     def table(self) -> TextTable:
         """Needed stages first, in the order in which they run."""

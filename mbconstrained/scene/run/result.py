@@ -143,18 +143,16 @@ def _sentences(motion: Response, coordinates: Coordinates, event: Event | None =
 
 def folded(notices: Sequence[Notice], jumps: int, impulses: int, later: tuple[int, int] = (0, 0)) -> tuple[Notice, ...]:
     """One sentence in place of the notices on each jump and impulse, which are in tables."""
-    counts_of_events = [*_counted("At t = 0", jumps, impulses), *_counted("After t = 0", *later)]
     jump, impulse = NoticeKind.JUMP, NoticeKind.IMPULSE  # a jump of a constraint row is a cause, which no table has
+    counts_of_events = []
+    for when, number, others in (("At t = 0", jumps, impulses), ("After t = 0", *later)):
+        if counts := [f"{count} {one}{'s' if count > 1 else ''}" for count, one in ((number, jump), (others, impulse)) if count]:
+            text = f"{when} there {'is' if number + others == 1 else 'are'} {' and '.join(counts)}; the tables give the sizes"
+            counts_of_events.append(Notice(jump if number else impulse, text))
     in_tables = (
         one.kind in (impulse, NoticeKind.SWITCH) or (one.kind == jump and not one.text.startswith("constraint ")) for one in notices
     )
     return (*counts_of_events, *(notice for notice, is_listed in zip(notices, in_tables) if not is_listed))
-
-
-def _counted(when: str, jumps: int, impulses: int) -> list[Notice]:
-    counts = [f"{count} {one}{'s' if count > 1 else ''}" for count, one in ((jumps, "jump"), (impulses, "impulse")) if count]
-    text = f"{when} there {'is' if jumps + impulses == 1 else 'are'} {' and '.join(counts)}; the tables give the sizes"
-    return [Notice(NoticeKind.JUMP if jumps else NoticeKind.IMPULSE, text)] if counts else []
 
 
 MOST_NOTICES = 12
@@ -262,8 +260,11 @@ def aliasing_notices(scene: SceneData, motion: Motion, count: int) -> tuple[Noti
 
 def _fastest_visible(scene: SceneData, motion: Motion, slowest: float) -> tuple[float, str, str] | None:
     """The highest angular frequency above ``slowest`` of a visible component that does not decay at once, a coordinate, its amplitude."""
-    frequencies = _angular_frequencies(scene, motion)
-    for highest in _octaves([each for each in frequencies if each > slowest]):
+    frequencies, last = _angular_frequencies(scene, motion), math.inf
+    for highest in frequencies:
+        if not slowest < highest <= last / 2:  # the highest of each octave
+            continue
+        last = highest
         frequency = _visible_frequency(scene, motion, [each for each in frequencies if SLOWER * highest <= each <= highest])
         if frequency and frequency[0] > slowest:
             return frequency
@@ -272,7 +273,7 @@ def _fastest_visible(scene: SceneData, motion: Motion, slowest: float) -> tuple[
 
 def _angular_frequencies(scene: SceneData, motion: Motion) -> list[float]:
     """Angular frequencies of the eigenvalues and the forces, in descending order."""
-    if hasattr(motion, "phases"):
+    if is_switched(motion):
         return sorted({abs(value.imag) for value in zeros_of(motion.function.blocks)}, reverse=True)
     A = scene.equations.polynomial_matrix
     zeros = {abs(value.imag) for value in (A.reduction if isinstance(A.reduction, Reduction) else A).eigenvalues}
@@ -280,15 +281,6 @@ def _angular_frequencies(scene: SceneData, motion: Motion) -> list[float]:
     used = [np.abs(smooth.coefficients[:, at]).any() for at in block_slices(smooth.blocks)]
     forces = {abs(value.imag) for value in zeros_of([block for block, one in zip(smooth.blocks, used) if one])}
     return sorted(zeros | forces, reverse=True)
-
-
-def _octaves(descending: Iterable[float]) -> Iterator[float]:
-    """The highest of each octave."""
-    last = math.inf
-    for each in descending:
-        if each <= last / 2:
-            last = each
-            yield each
 
 
 def _visible_frequency(scene: SceneData, motion: Motion, descending: list[float]) -> tuple[float, str, str] | None:
@@ -323,7 +315,7 @@ def _stretches(scene: SceneData, motion: Motion, period: float) -> Iterator[tupl
     whole = time.end - time.start
     length = min(PERIODS * period, whole / 2)
     changes = np.array([0.0]) if force is None else force.knots[force.knots < time.end]
-    if not hasattr(motion, "phases"):
+    if not is_switched(motion):
         yield from ((time.start + min(place * whole, whole - 2 * length), length) for place in ALIASING_PLACES)
     else:  # nothing oscillates on through an event
         changes = np.unique([*changes, *(event.time for event in motion.events if event.time < time.end)])
@@ -441,7 +433,9 @@ class Result:
     @cached_property
     def times(self) -> np.ndarray:
         """Times of the scene; without a given number, enough for the fastest visible motion."""
-        return following_times(self.scene, self.motion) if self.scene.table.time.is_automatic else self.scene.times
+        time = self.scene.table.time
+        is_given = "points" in time.model_fields_set or "step" in time.model_fields_set
+        return time.times if is_given else following_times(self.scene, self.motion)
 
     @cached_property
     def motion(self) -> Any:
@@ -455,20 +449,21 @@ class Result:
 
     # Trajectories.
 
-    @property
+    @cached_property
     def kinds(self) -> list[str]:
         """The kinds of curves that the scene requests, the coordinates first."""
         output, equations = self.scene.table.output, self.scene.equations
         plots = [part for kind in output.plots for part in (PARTS[kind] if kind == "phase" else (kind,))]
         reactions = ["reaction", "ground_reaction"] if output.reactions else []
         requested = ["displacement", *plots, *reactions, *(["quantity"] if output.quantity else [])]
-        available = {
-            "reaction": bool(self.rows),
-            "ground_reaction": equations.has_connections,
-            "output": not equations.has_outputs_among_coordinates,
-            "force": equations.has_forces,
-        }
-        return [kind for kind in dict.fromkeys(requested) if available.get(kind, True)]
+        return [
+            kind
+            for kind in dict.fromkeys(requested)
+            if (kind != "reaction" or self.rows)
+            and (kind != "ground_reaction" or equations.has_connections)
+            and (kind != "output" or not equations.has_outputs_among_coordinates)
+            and (kind != "force" or equations.has_forces)
+        ]
 
     def curves(self, kind: str) -> Curves:
         """Trajectories of a kind: displacement, velocity, acceleration, reaction, energy or output; or of a quantity by its name."""
@@ -587,22 +582,19 @@ class Result:
 
     # Extrema and means, of the closed form.
 
-    @property
-    def _ends(self) -> tuple[float, float]:
-        return float(self.times[0]), float(self.times[-1])
-
     def extrema(self, kind: str, rows: Sequence[int] | None = None) -> Extrema:
         """The largest and the smallest values of a kind of curves, or of some, with their times, also between the times of the scene."""
         key = kind, None if rows is None else tuple(rows)
         if key not in self._extrema:
             own = self._kind(kind)
             chosen = list(range(len(own.names)) if rows is None else rows)
+            at = lambda times: np.asarray(own.values(times))[chosen]  # noqa: E731
             if own.linear is None:
-                extremes = self.sampled_extrema(lambda times: own.values(times)[chosen])
+                extremes = self.sampled_extrema(at)
             else:
-                extremes = extrema(own.linear().rows(chosen), *self._ends)
+                extremes = extrema(own.linear().rows(chosen), *self.times[[0, -1]].tolist())
                 if own.constants is None:
-                    extremes = extremes.with_values(lambda times: own.values(times)[chosen])
+                    extremes = extremes.with_values(at)
                 else:
                     extremes = extremes.shifted(own.constants[chosen])
             self._extrema[key] = extremes
@@ -610,17 +602,18 @@ class Result:
 
     def sampled_extrema(self, at: Callable[[np.ndarray], np.ndarray]) -> Extrema:
         """Extrema of functions with squares of the motion, such as energies, by ``sampled_extrema``."""
-        return sampled_extrema(at, self._breaks, 2 * fastest_rate(self.motion.function), *self._ends)
+        return sampled_extrema(at, self._breaks, 2 * fastest_rate(self.motion.function), *self.times[[0, -1]].tolist())
 
     def positive_times(self, at: Callable[[np.ndarray], np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
         """Times at which functions with squares or ratios of the motion are largest, and first positive, by ``positive_times``."""
-        return positive_times(at, self._breaks, 2 * fastest_rate(self.motion.function), *self._ends)
+        return positive_times(at, self._breaks, 2 * fastest_rate(self.motion.function), *self.times[[0, -1]].tolist())
 
     def rms(self, kind: str, rows: Sequence[int]) -> RootMeanSquares:
         """The RMS values of some curves of a kind from the first to the last time, by integrals of the closed form."""
         own, chosen = self._kind(kind), list(rows)
         added = None if own.constants is None else own.constants[chosen]
-        return root_mean_squares(own.linear().rows(rows), *self._ends, added, lambda times: own.values(times)[chosen])
+        start, end = self.times[[0, -1]].tolist()
+        return root_mean_squares(own.linear().rows(rows), start, end, added, lambda times: own.values(times)[chosen])
 
     @cached_property
     def largest(self) -> list[Largest]:
@@ -648,8 +641,11 @@ class Result:
         """The impulses at t = 0 in the coordinates, then in the constraint forces."""
         coordinates = self.scene.equations.coordinates
         impulses = impulses_of(self.motion.impulses, coordinates)
-        if self.rows and not self.is_switched:  # the table of events has those of contacts and rows
-            impulses += impulses_of(self.motion.constraint_impulses, forces_of_rows(self.rows, shown=coordinates.shown))
+        own = (
+            () if self.is_switched or not self.rows else self.motion.constraint_impulses
+        )  # the table of events has those of contacts
+        if own:
+            impulses += impulses_of(own, forces_of_rows(self.rows, shown=coordinates.shown))
         return impulses
 
     @cached_property

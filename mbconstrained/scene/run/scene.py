@@ -21,7 +21,7 @@ from ..build.model import Equations, named_quantities, output_names, quantities_
 from ..file import SceneFolder, SceneName, at, read_tables, with_robot_file
 from ..quantities.coordinates import QUANTITIES, OutputUnits
 from ..quantities.parameters import Parameters, with_parameters
-from ..quantities.settings import with_settings, with_values
+from ..quantities.settings import Setting, with_settings, with_values
 from ..schema.entry_types import validated
 from ..schema.scene_schema import SceneFile
 from .plan import Costs
@@ -122,18 +122,6 @@ class Scene(SceneData):
         named = {one.name: one for one in self.named_parameters()}
         chosen = list(named) or None if parameters is None else parameters
         return self.equations.system.sensitivities(chosen and [named.get(name, name) for name in chosen])
-
-    def check_drawing(self) -> None:
-        """Check the names in the table [drawing].
-
-        Raises:
-            SceneError: a body or coordinate that does not exist.
-        """
-        table = self.table.drawing
-        if table and (table.body or table.link or self.equations.robot):
-            from .drawing import check_drawing
-
-            check_drawing(self)
 
     def root_locus(self, name: str, values) -> RootLocus:
         """The eigenvalues over one of the [parameters], or over an element or entry by name.
@@ -278,7 +266,10 @@ def read_scene(path: str | Path, settings: Mapping[str, Any] | None = None, data
             raise InputError(f"data_folders: there is no folder {folder}")
     costs = Costs()
     scene = assembled(path, *read_tables(path), settings or {}, costs, folders)
-    scene.check_drawing()
+    if scene.table.drawing:
+        from .drawing import check_drawing
+
+        check_drawing(scene)
     costs.lap("assemble the model")
     try:
         scene.equations.polynomial_matrix.check_regular()
@@ -311,10 +302,13 @@ def assembled(
     """The scene of tables that were read; whether its equations determine a motion is not checked yet."""
     costs = costs or Costs()
     of_robot = {key: value for key, value in settings.items() if key.startswith("robot.")}
-    name, overrides = with_settings(data, name, {key: value for key, value in settings.items() if key not in of_robot})
+    overrides: tuple[Setting, ...] = ()
+    if settings:
+        name, overrides = with_settings(data, name, {key: value for key, value in settings.items() if key not in of_robot})
     name = with_robot_file(data, name, path.parent)
-    name, changes = with_settings(data, name, of_robot)
-    overrides += changes
+    if of_robot:
+        name, changes = with_settings(data, name, of_robot)
+        overrides += changes
     unit_texts = count_texts({key: data[key] for key in data if key not in ("title", "source", "robot")})
     costs.lap("read the scene")
     if unit_texts:

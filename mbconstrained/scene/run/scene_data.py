@@ -31,6 +31,10 @@ if TYPE_CHECKING:
     from ...mechanics.system import MechanicalSystem
 
 
+#: Entries of [output] of a scene that writes nothing.
+UNWRITTEN: dict[str, Any] = {"page": False, "csv": False, "npz": False, "plot_images": False, "still": None}
+
+
 @dataclass(frozen=True, repr=False)
 class SceneData(Pictured):
     """Data of a ``Scene``, without the answers to questions about it; its attributes.
@@ -102,18 +106,18 @@ class SceneData(Pictured):
     def notices(self) -> tuple[Notice, ...]:
         """Notices before a run: overrides, unused parameters, unconstrained bodies."""
         fixed = self.equations.system is not None and self.equations.switching is None
-        has_elements = fixed and self.table.model.kind in ("lumped", "matrices")
+        kind = self.table.model.kind
+        has_elements = fixed and kind in ("lumped", "matrices")
         free = free_motion_notices(self.equations.system) if has_elements else ()
         given = (
             *self.parameters.notices,
-            *_late_loads(self.table),
+            *(_late_loads(self.table) if self.table.force else ()),
             *(never_notices(self.equations.switching) if self.equations.switching else ()),
             *(notice for end in self.equations.ends for notice in (*_late_end(end, self.table.time), *end.notices)),
             *(self.equations.solvability.notices if self.equations.solvability else ()),
-            *_assumed_lengths(self.table.model),
-            *_matrix_notices(self.table, self.equations.system),
+            *(_matrix_notices(self.equations.system) if kind == "matrices" else _assumed_lengths(self.table.model)),
         )
-        missing = self.equations.mesh_notices() if self.table.output.page and self.table.output.animation else ()
+        missing = self.equations.mesh_notices if self.table.output.page and self.table.output.animation else ()
         return (*self.phase_notices, *(setting.notice for setting in self.settings), *given, *free, *missing)
 
     @cached_property
@@ -121,7 +125,7 @@ class SceneData(Pictured):
         """The method that gives the response at the times of the scene."""
         if self.equations.switching is not None:
             return self.equations.switching.begin.method
-        return choose(self.problem, Request(times=self.times))
+        return choose(self.problem, Request(times=self.table.time.times))
 
     @cached_property
     def problem(self) -> Problem:
@@ -134,7 +138,7 @@ class SceneData(Pictured):
     def certified(self) -> Self:
         """The scene with certify = true, unless it states what to certify."""
         output = self.table.output
-        certified = self._with_output(certify=output.certify or output.coordinates or True)
+        certified = self.with_output(certify=output.certify or output.coordinates or True)
         if self.equations.switching is not None:
             refuse_with_switches(certified.table, (), self.file_name)
         return certified
@@ -145,26 +149,15 @@ class SceneData(Pictured):
             return self
         return replace(self, equations=replace(self.equations, switching=None), phase_notices=(switching.notice,))
 
-    def with_viewer(self, viewer: str) -> Self:
-        """The scene with the script of the viewer "inside" its page, in a "separate" file, or "compressed"."""
-        return self._with_output(viewer=viewer)
-
-    def with_plot_images(self) -> Self:
-        """The scene with its plots written as pictures too."""
-        return self._with_output(plot_images=True)
-
     def with_still(self, time: float) -> Self:
         """The scene with a still picture of its model at a time within the run, in s."""
         start, end = self.table.time.start, self.table.time.end
         if not start <= time <= end:
             raise InputError(f"still picture: found {time:g} s; expected a time from {start:g} to {end:g} s, where the scene ends")
-        return self._with_output(still=float(time))
+        return self.with_output(still=float(time))
 
-    def unwritten(self) -> Self:
-        """The scene without page, CSV, npz and pictures."""
-        return self._with_output(page=False, csv=False, npz=False, plot_images=False, still=None)
-
-    def _with_output(self, **changes) -> Self:
+    def with_output(self, **changes) -> Self:
+        """The scene with other entries of [output]."""
         output = self.table.output.model_copy(update=changes)
         return replace(self, table=self.table.model_copy(update={"output": output}))
 
@@ -203,9 +196,9 @@ def _assumed_lengths(model) -> Iterator[Notice]:
             yield Notice(NoticeKind.OMITTED, f"{listed(without, MOST_NAMED)}: {text}")
 
 
-def _matrix_notices(table, system: MechanicalSystem | None) -> Iterator[Notice]:
+def _matrix_notices(system: MechanicalSystem | None) -> Iterator[Notice]:
     """Notices on matrices that differ from those of a passive structure: unsymmetric, or M with a negative eigenvalue."""
-    if table.model.kind != "matrices" or system is None or system.is_sparse:
+    if system is None or system.is_sparse:
         return
     for name in ("mass", "stiffness"):
         yield from system.unsymmetric(name)

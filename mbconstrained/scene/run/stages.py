@@ -17,7 +17,7 @@ from ...ground.checks import counted
 from ...response.choose import PAIRS, unproved
 from ..build.model import Decision, Equations
 from .plan import PAGE, Plan, Stage
-from .scene_data import SceneData
+from .scene_data import UNWRITTEN, SceneData
 
 LateDecision = tuple[bool, Callable[[], str]]  # whose reason takes an analysis of its own, once it is shown
 
@@ -73,35 +73,24 @@ def constrained_form(scene: SceneData) -> Decision:
     return True, f"{counted(len(system.rows), 'independent row')} at {' and '.join(levels)} level"
 
 
-def _serves_reduced(scene: SceneData) -> bool:
-    """Whether the reduced equations give motion and eigenvalues, and neither file nor frequency response needs the Jordan pairs."""
+def split_off(
+    scene: SceneData, reduced: str, split: Decision | Callable[[SceneData], Decision | LateDecision]
+) -> Decision | LateDecision:
+    """A part of the Weierstrass form, and the reason for omitting it where the reduced equations give motion and eigenvalues, and neither
+    file nor frequency response needs the Jordan pairs."""
     equations, table = scene.equations, scene.table
-    if scene.problem.delayed:
-        return False
-    if equations.polynomial_matrix.large_reduction is not None:
-        return True
-    return not (equations.system is None or table.output.npz or table.frequency or scene.method.name == PAIRS)
-
-
-#: Why the equations of one phase alone are not split.
-BY_PHASE = "each phase has its own, made when the motion enters it"
-
-
-def staircase(scene: SceneData) -> Decision:
-    """The Weierstrass form, only where the equations do not reduce directly, or a file holds their Jordan pairs."""
-    if scene.equations.switching is not None:
-        return False, BY_PHASE
-    if _serves_reduced(scene):
-        return False, "the equations reduce directly without rank decisions"
-    return True, "splits the finite from the infinite part by rank decisions"
+    if equations.switching is not None:
+        return False, "each phase has its own, made when the motion enters it"
+    if not scene.problem.delayed:
+        if equations.polynomial_matrix.large_reduction is not None:
+            return False, reduced
+        if not (equations.system is None or table.output.npz or table.frequency or scene.method.name == PAIRS):
+            return False, reduced
+    return split if isinstance(split, tuple) else split(scene)
 
 
 def finite_pair(scene: SceneData) -> Decision | LateDecision:
     """Eigenvalues are always listed; the motion comes from the pair only where the chosen method uses pairs."""
-    if scene.equations.switching is not None:
-        return False, BY_PHASE
-    if _serves_reduced(scene):
-        return False, "the modes have the eigenvalues"
     if scene.problem.delayed:
         return True, "the motion within each delay"
     only = "the eigenvalues; the motion comes from the reduced equations"
@@ -110,12 +99,7 @@ def finite_pair(scene: SceneData) -> Decision | LateDecision:
 
 def infinite_pair(scene: SceneData) -> Decision:
     """Jumps and impulses come from the infinite pair; free admissible motion needs none (Moysis et al., section 4.1)."""
-    equations = scene.equations
-    if equations.switching is not None:
-        return False, BY_PHASE
-    A = equations.polynomial_matrix
-    if _serves_reduced(scene):
-        return False, "the reduced equations, which have no infinite part, serve"
+    equations, A = scene.equations, scene.equations.polynomial_matrix
     if equations.has_regular_leading_coefficient or not any(A.jordan_pairs().form.split.infinite_divisors):
         return False, f"A_{A.degree} is nonsingular: there is no infinite part"
     if equations.is_free and equations.start_fits:
@@ -151,18 +135,14 @@ def transfer_functions(scene: SceneData) -> Decision:
     return True, "zeros, gain and DC gain from each input to each output"
 
 
-def plotted(scene: SceneData, kind: str) -> Decision:
-    requested = kind in scene.table.output.plots
-    return requested, f"{kind} is{'' if requested else ' not'} among the plots"
-
-
 def velocities(scene: SceneData) -> Decision:
     """Velocities, which an animation needs as well as plots."""
-    requested, reason = plotted(scene, "velocity")
-    if "phase" in scene.table.output.plots and not requested:
-        requested, reason = True, "phase is among the plots"
-    moves = animation(scene)[0] and not requested
-    return (True, "the animation moves by displacements and velocities") if moves else (requested, reason)
+    for plot in ("velocity", "phase"):
+        if plot in scene.table.output.plots:
+            return True, f"{plot} is among the plots"
+    if animation(scene)[0]:
+        return True, "the animation moves by displacements and velocities"
+    return False, "velocity is not among the plots"
 
 
 def reactions(scene: SceneData) -> Decision:
@@ -182,14 +162,11 @@ def connection_forces(scene: SceneData) -> Decision:
 
 
 def element_quantities(scene: SceneData) -> Decision:
-    named = scene.table.output.quantity
-    return bool(named), counted(len(named), "entry", "entries") + " of [[output.quantity]]" if named else "no [[output.quantity]]"
+    return True, counted(len(scene.table.output.quantity), "entry", "entries") + " of [[output.quantity]]"
 
 
 def certificate(scene: SceneData) -> Decision:
     certify = scene.table.output.certify
-    if not certify:
-        return False, "not requested (--certify, or certify = true in [output])"
     if reason := without_certificate(scene.equations):
         return False, reason
     return True, "digits of every coordinate" if certify is True else f"digits of {', '.join(certify)}"
@@ -197,8 +174,6 @@ def certificate(scene: SceneData) -> Decision:
 
 def symbols(scene: SceneData) -> Decision:
     output, count = scene.table.output, len(scene.parameters.values)
-    if not output.formula:
-        return False, "no formula is requested"
     if not output.page:
         return False, "no page to show the formula on"
     if reason := too_large_for_formula(scene):
@@ -207,7 +182,8 @@ def symbols(scene: SceneData) -> Decision:
 
 
 def animation(scene: SceneData) -> Decision:
-    output, pictured = scene.table.output, still(scene)[0]
+    output = scene.table.output
+    pictured = output.still is not None and still(scene)[0]
     if not (output.page or pictured):
         return False, "no page"
     if not (output.animation or pictured):
@@ -244,13 +220,11 @@ def still(scene: SceneData) -> Decision:
 
 
 def formats(scene: SceneData) -> Decision:
-    requested = scene.table.output.formats
-    return bool(requested), ", ".join(requested) if requested else 'not requested (formats in [output], e.g. ["mat", "uff"])'
+    return True, ", ".join(scene.table.output.formats)
 
 
 def plot_images(scene: SceneData) -> Decision:
-    requested = scene.table.output.plot_images
-    return requested, f"{scene.name}.*.svg and .png" if requested else "not requested (--plots, or plot_images = true in [output])"
+    return True, f"{scene.name}.*.svg and .png"
 
 
 def robot_meshes(scene: SceneData) -> Decision:
@@ -267,17 +241,14 @@ def collision_geometry(scene: SceneData) -> Decision:
 
 
 def frequency(scene: SceneData) -> Decision:
-    table = scene.table.frequency
-    if table is None:
-        return False, "not requested (a table [frequency], or the command frequency)"
-    return True, f"[frequency]: {table.quantity}"
+    return True, f"[frequency]: {scene.table.frequency.quantity}"
 
 
 def frequency_files(scene: SceneData) -> Decision:
-    output, requested = scene.table.output, scene.table.frequency is not None
+    output = scene.table.output
     kinds = [ending for ending, wanted in (("html", output.page), ("csv", output.csv), ("npz", output.npz)) if wanted]
-    if not (requested and kinds):
-        return False, "page, csv and npz = false" if requested else "no frequency response"
+    if not kinds:
+        return False, "page, csv and npz = false"
     return True, f"{scene.name}.frequency.{', .'.join(kinds)}"
 
 
@@ -322,6 +293,9 @@ class PossibleStage:
     work: Callable[[Any], object] | None = None  # does it; None where reading the scene, or another stage, does it
     writes: bool = False  # whether only files need it
     part_of: str = ""  # the stage that does it, where it is not measured itself
+    entry: str = ""  # the entry of the scene that requests it, without which it need not be decided
+    unless: str = ""  # the reason for omitting it where this entry is left out
+    plot: str = ""  # the plot that alone requests it
 
 
 FILE_STEPS = (PossibleStage("read the scene", (True, "checked against the schema")), PossibleStage("units", units))
@@ -344,7 +318,7 @@ CONTROL_NEXT = {  # the same of a state space
     "displacements": (OUTPUTS,),
     "modes": (PossibleStage("transfer functions", transfer_functions, attrgetter("scene.equations.control.transfers")),),
 }
-FORCES = PossibleStage("forces", partial(plotted, kind="force"), methodcaller("curves", "force"))
+FORCES = PossibleStage("forces", (True, "force is among the plots"), methodcaller("curves", "force"))
 STEPS = (
     PossibleStage("assemble the model", lambda scene: scene.equations.size_decision()),
     PossibleStage("dependent constraint rows", lambda scene: scene.equations.rows_decision(), part_of="assemble the model"),
@@ -356,28 +330,87 @@ STEPS = (
         ),
         part_of="response",
     ),
-    PossibleStage("scaling and staircase", staircase, methodcaller("jordan_pairs")),
-    PossibleStage("finite pair", finite_pair, attrgetter("finite_pair")),
-    PossibleStage("infinite pair", infinite_pair, attrgetter("infinite_pair")),
+    PossibleStage(
+        "scaling and staircase",
+        partial(
+            split_off,
+            reduced="the equations reduce directly without rank decisions",
+            split=(True, "splits the finite from the infinite part by rank decisions"),
+        ),
+        methodcaller("jordan_pairs"),
+    ),
+    PossibleStage(
+        "finite pair",
+        partial(split_off, reduced="the modes have the eigenvalues", split=finite_pair),
+        attrgetter("finite_pair"),
+    ),
+    PossibleStage(
+        "infinite pair",
+        partial(split_off, reduced="the reduced equations, which have no infinite part, serve", split=infinite_pair),
+        attrgetter("infinite_pair"),
+    ),
     PossibleStage("response", response, attrgetter("motion")),
     PossibleStage("displacements", (True, "the answer itself"), methodcaller("curves", "displacement")),
     PossibleStage("velocities", velocities, methodcaller("curves", "velocity")),
-    PossibleStage("accelerations", partial(plotted, kind="acceleration"), methodcaller("curves", "acceleration")),
+    PossibleStage(
+        "accelerations", (True, "acceleration is among the plots"), methodcaller("curves", "acceleration"), plot="acceleration"
+    ),
     PossibleStage("reactions", reactions, methodcaller("curves", "reaction")),
-    PossibleStage("energy", partial(plotted, kind="energy"), methodcaller("curves", "energy")),
-    PossibleStage("element quantities", element_quantities, methodcaller("curves", "quantity")),
+    PossibleStage("energy", (True, "energy is among the plots"), methodcaller("curves", "energy"), plot="energy"),
+    PossibleStage(
+        "element quantities",
+        element_quantities,
+        methodcaller("curves", "quantity"),
+        entry="output.quantity",
+        unless="no [[output.quantity]]",
+    ),
     PossibleStage("modes", modes, attrgetter("modes")),
-    PossibleStage("error estimate", (True, "an answer carries its evidence"), attrgetter("error_estimate")),
+    PossibleStage("error estimate", (True, "an answer carries its evidence"), attrgetter("error_estimates")),
     PossibleStage("proof", proof, part_of="error estimate"),
-    PossibleStage("certificate (python-flint)", certificate, attrgetter("certificate")),
-    PossibleStage("symbols (sympy)", symbols, attrgetter("formula"), writes=True),
-    PossibleStage("frequency response", frequency, attrgetter("frequency.response")),
-    PossibleStage("frequency page and files", frequency_files, methodcaller("write_frequency"), writes=True),
+    PossibleStage(
+        "certificate (python-flint)",
+        certificate,
+        attrgetter("certificate"),
+        entry="output.certify",
+        unless="not requested (--certify, or certify = true in [output])",
+    ),
+    PossibleStage(
+        "symbols (sympy)", symbols, attrgetter("formula"), writes=True, entry="output.formula", unless="no formula is requested"
+    ),
+    PossibleStage(
+        "frequency response",
+        frequency,
+        attrgetter("frequency.response"),
+        entry="frequency",
+        unless="not requested (a table [frequency], or the command frequency)",
+    ),
+    PossibleStage(
+        "frequency page and files",
+        frequency_files,
+        methodcaller("write_frequency"),
+        writes=True,
+        entry="frequency",
+        unless="no frequency response",
+    ),
     PossibleStage("animation", animation, attrgetter("animation"), writes=True),
     PossibleStage("CSV", partial(written, kind="csv"), methodcaller("write_csv"), writes=True),
     PossibleStage("npz", partial(written, kind="npz"), methodcaller("write_npz"), writes=True),
-    PossibleStage("other formats", formats, methodcaller("write_formats"), writes=True),
-    PossibleStage("plots as images (matplotlib)", plot_images, methodcaller("write_plots"), writes=True),
+    PossibleStage(
+        "other formats",
+        formats,
+        methodcaller("write_formats"),
+        writes=True,
+        entry="output.formats",
+        unless='not requested (formats in [output], e.g. ["mat", "uff"])',
+    ),
+    PossibleStage(
+        "plots as images (matplotlib)",
+        plot_images,
+        methodcaller("write_plots"),
+        writes=True,
+        entry="output.plot_images",
+        unless="not requested (--plots, or plot_images = true in [output])",
+    ),
     PossibleStage("still picture (Chromium)", still, methodcaller("try_still"), writes=True),
     PossibleStage(PAGE, partial(written, kind="page"), methodcaller("write_page"), writes=True),  # after the stages that it lists
 )
@@ -400,26 +433,26 @@ def steps_of(scene: SceneData) -> tuple[PossibleStage, ...]:
     first = ROBOT_STEPS if kind == "robot" else NO_ROBOT_STEPS
     if scene.table.time.step_domain == "discrete":
         return (*FILE_STEPS, *first, *DISCRETE_STEPS)
-    following = {"robot": ROBOT_NEXT, "state-space": CONTROL_NEXT}.get(kind, {}), _of_ends(scene)
+    ends = (end for end in scene.equations.ends if end.duration)  # that the scene decides
+    solved = tuple(PossibleStage(end.title.lower(), (True, f"[{end.key}]: over {end.duration:g} s")) for end in ends)
+    further = {"assemble the model": solved, "energy": (FORCES,) if "force" in scene.table.output.plots else ()}
+    following = {"robot": ROBOT_NEXT, "state-space": CONTROL_NEXT}.get(kind, {}), further
     extended = [(step, *(each for stages in following for each in stages.get(step.name, ()))) for step in STEPS]
     return (*FILE_STEPS, *first, *chain.from_iterable(extended))
 
 
-def _of_ends(scene: SceneData) -> dict[str, tuple[PossibleStage, ...]]:
-    """The stages of scenes that decide the end of the motion, or plot what acts, by the stage before."""
-    ends = (end for end in scene.equations.ends if end.duration)
-    solved = tuple(PossibleStage(end.title.lower(), (True, f"[{end.key}]: over {end.duration:g} s")) for end in ends)
-    return {"assemble the model": solved, "energy": (FORCES,) if "force" in scene.table.output.plots else ()}
-
-
 def plan_of(scene: SceneData, *, writing: bool = True) -> Plan:
     """Decide about every stage without running any."""
-    requested = scene if writing else scene.unwritten()
-    return Plan(tuple(_stage(step, requested, writing) for step in steps_of(scene))).with_costs(scene.costs)
-
-
-def _stage(step: PossibleStage, scene: SceneData, writing: bool) -> Stage:
-    if step.writes and not writing:
-        return Stage(step.name, False, "no folder to write to was given")
-    decision = step.decide if isinstance(step.decide, tuple) else step.decide(scene)
-    return Stage(step.name, *decision, part_of=step.part_of)
+    scene = scene if writing else scene.with_output(**UNWRITTEN)
+    stages = []
+    for step in steps_of(scene):
+        if step.writes and not writing:
+            stages.append(Stage(step.name, False, "no folder to write to was given"))
+            continue
+        decision = step.decide
+        if step.entry and not attrgetter(step.entry)(scene.table):
+            decision = False, step.unless
+        elif step.plot and step.plot not in scene.table.output.plots:
+            decision = False, f"{step.plot} is not among the plots"
+        stages.append(Stage(step.name, *(decision if isinstance(decision, tuple) else decision(scene)), part_of=step.part_of))
+    return Plan(tuple(stages)).with_costs(scene.costs)

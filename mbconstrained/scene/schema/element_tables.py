@@ -11,7 +11,7 @@ from typing import Annotated, Any, ClassVar, Literal, get_origin
 from pydantic import BeforeValidator, Field, PrivateAttr, create_model, model_validator
 
 from ...ground.errors import InputError, shown
-from ...models.elements import Element, Entry, Joins, Numeric, Relation, entries_of
+from ...models.elements import Element, Entry, Joins, Numeric, Relation, fields_of
 from .entry_types import (
     LINEAR_PHASE,
     SPEED,
@@ -40,7 +40,7 @@ class ElementTable(Table):
     element: ClassVar[type[Element]]
 
     def _check(self) -> None:
-        entries, spellings = entries_of(self.element), self.element.spellings
+        entries, spellings = fields_of(self.element).entries, self.element.spellings
         for targets in dict.fromkeys(spellings.values()):
             keys = [key for key, own in spellings.items() if own == targets]
             used, given = (
@@ -60,7 +60,7 @@ class ElementTable(Table):
     def __get_pydantic_json_schema__(cls, core_schema, handler):
         """The schema, in which a key may stand for fields that are required."""
         schema = handler.resolve_ref_schema(handler(core_schema))
-        entries, spellings = entries_of(cls.element), cls.element.spellings
+        entries, spellings = fields_of(cls.element).entries, cls.element.spellings
         for targets in dict.fromkeys(spellings.values()):
             if any(entries[name].is_required for name in targets):
                 forms = [[key] for key, own in spellings.items() if own == targets] + [list(targets)]
@@ -70,7 +70,7 @@ class ElementTable(Table):
     @property
     def given(self) -> dict[str, Any]:
         """The fields of the element; expressions of parameters as such, and texts whose unit depends on the model unchanged."""
-        values = {name: getattr(self, name) for name in entries_of(self.element)}
+        values = {name: getattr(self, name) for name in fields_of(self.element).entries}
         return {name: value for name, value in values.items() if value is not None}
 
 
@@ -95,21 +95,18 @@ def _type_of(name: str, entry: Entry) -> Any:
     return Annotated[numbers, BeforeValidator(partial(_mapping, EXAMPLES[name]))] if entry.is_required else numbers
 
 
-def _default(entry: Entry, is_replaced: bool) -> Any:
-    """The default of a key; required ones that further keys may stand for are left out."""
-    if entry.is_required:
-        return None if is_replaced else ...
-    return {} if entry.field.default is MISSING else None if entry.field.default == "" else entry.field.default
-
-
 @cache
 def table_of(key: str, element: Any) -> Any:
     """The table of a class of elements."""
-    entries, spellings = entries_of(element), element.spellings
-    replaced = {name for targets in spellings.values() for name in targets}
+    entries, spellings = fields_of(element).entries, element.spellings
+    replaced = {
+        name for targets in spellings.values() for name in targets
+    }  # required ones that further keys may stand for are left out
     keys: dict[str, Any] = {}
     for name, entry in sorted(entries.items(), key=lambda item: item[0] != "name"):
-        own, default = _type_of(name, entry), _default(entry, name in replaced)
+        own, default = _type_of(name, entry), {} if entry.default is MISSING else None if entry.default == "" else entry.default
+        if entry.is_required:
+            default = None if name in replaced else ...
         keys[name] = (own | None if default is None else own, Field(default, description=getattr(entry.about, "text", entry.about)))
     for spelling, targets in spellings.items():
         own = Teeth if spelling == "teeth" else _type_of(targets[0], entries[targets[0]])
@@ -161,6 +158,4 @@ def lumped_table() -> Any:
     return create_model("LumpedTable", __base__=_Lumped, __doc__=_Lumped.__doc__, **lists)
 
 
-@cache
-def constraint_table() -> Any:
-    return table_of("constraint", Relation)
+ConstraintTable = table_of("constraint", Relation)

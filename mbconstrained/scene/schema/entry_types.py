@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Mapping
-from functools import cache
+from dataclasses import dataclass
+from importlib import import_module
 from typing import Annotated, Any, Literal
 
 from pydantic import (
@@ -20,7 +21,7 @@ from pydantic import (
     WrapValidator,
     model_validator,
 )
-from pydantic_core import core_schema
+from pydantic_core import PydanticCustomError, core_schema
 
 from ...ground.checks import nearest
 from ...ground.errors import InputError, SceneError, quoted, shown
@@ -63,30 +64,25 @@ class Table(BaseModel):
         cls.model_rebuild()  # a default of this class is written by its serializer, which earlier versions do not build themselves
         return handler(core_schema)
 
-    @model_validator(mode="before")
+    @model_validator(mode="wrap")
     @classmethod
-    def _only_known_keys(cls, data):
+    def _validated(cls, data, handler):
+        if isinstance(data, cls):
+            return handler(data)
         if isinstance(data, list) and all(isinstance(entry, dict) for entry in data):
             raise InputError("there is one table of this kind only: write it with single brackets, […]")
+        known = [field.alias or name for name, field in cls.model_fields.items()]  # Python keywords have another name as attributes
         if not isinstance(data, dict):
-            raise InputError(f"found {shown(data)}; expected a table with the keys {', '.join(cls.known_keys())}")
-        unknown = next((key for key in data if key not in cls.known_keys()), None)
-        if unknown is not None:
-            raise UnknownKey(unknown, cls.known_keys(), cls._hint(unknown))
-        return data
-
-    @model_validator(mode="after")
-    def _checked(self):
-        self._check()
-        return self
+            raise InputError(f"found {shown(data)}; expected a table with the keys {', '.join(known)}")
+        for key in data:
+            if key not in known:
+                raise UnknownKey(key, known, cls._hint(key))
+        table = handler(data)
+        table._check()
+        return table
 
     def _check(self) -> None:
         """Check that the entries fit together, and complete those that follow from others."""
-
-    @classmethod
-    def known_keys(cls) -> list[str]:
-        """The keys as scenes write them; Python keywords have another name as attributes."""
-        return [field.alias or name for name, field in cls.model_fields.items()]
 
     @classmethod
     def _hint(cls, key: str) -> str:
@@ -94,48 +90,48 @@ class Table(BaseModel):
         return ""
 
 
+@dataclass(frozen=True)
 class LateTable:
     """The type of a table whose class is created when a scene has it: all classes together take as long as most answers."""
 
-    def __init__(self, create: Callable[[], type[BaseModel]]):
-        self._create = create
+    name: str  # of the class
+    module: str = ".analysis_tables"
+
+    @property
+    def table(self) -> type[BaseModel]:
+        return getattr(import_module(self.module, __package__), self.name)
 
     def __get_pydantic_core_schema__(self, source, handler):
         return core_schema.no_info_before_validator_function(
-            lambda value: self._create().model_validate(value), core_schema.any_schema()
+            lambda value: self.table.model_validate(value), core_schema.any_schema()
         )
 
     def __get_pydantic_json_schema__(self, schema, handler):
-        return handler(core_schema.definitions_schema(_with_names(TypeAdapter(self._create()).core_schema), []))
+        return handler(core_schema.definitions_schema(_with_names(TypeAdapter(self.table).core_schema), []))
 
 
+@dataclass(frozen=True)
 class TablesByKind:
     """The type of a table whose class depends on its key kind, and is created when a scene has one of it."""
 
-    def __init__(self, *default: str, **create: Callable[[], type[BaseModel]]):
-        """Tables without a kind are of the default kind, where there is one."""
-        self._default = default
-        self._create = {kind.replace("_", "-"): one for kind, one in create.items()}
-        self._adapter = cache(self._new_adapter)
-
-    def _new_adapter(self, *kinds: str) -> TypeAdapter:
-        def union(source, handler):
-            return core_schema.tagged_union_schema({kind: handler.generate_schema(self._create[kind]()) for kind in kinds}, "kind")
-
-        return TypeAdapter(Annotated[Any, GetPydanticSchema(union)])
+    table: Callable[[str], type[BaseModel]]  # the class of a kind
+    kinds: tuple[str, ...]
+    default: str | None = None  # the kind of tables without one
 
     def _validated(self, value):
-        if isinstance(value, dict) and "kind" not in value and self._default:
-            value = {**value, "kind": self._default[0]}
-        kind = value.get("kind") if isinstance(value, dict) else None
-        kinds = (kind,) if isinstance(kind, str) and kind in self._create else tuple(self._create)
-        return self._adapter(*kinds).validate_python(value)
+        kind = value.get("kind", self.default) if isinstance(value, dict) else None
+        if kind not in self.kinds:
+            raise PydanticCustomError("union_tag_invalid", "not the kind of a table")
+        return self.table(kind).model_validate({**value, "kind": kind})
 
     def __get_pydantic_core_schema__(self, source, handler):
         return core_schema.no_info_before_validator_function(self._validated, core_schema.any_schema())
 
     def __get_pydantic_json_schema__(self, schema, handler):
-        return handler(_with_names(self._adapter(*self._create).core_schema))
+        def union(source, handler):
+            return core_schema.tagged_union_schema({kind: handler.generate_schema(self.table(kind)) for kind in self.kinds}, "kind")
+
+        return handler(_with_names(TypeAdapter(Annotated[Any, GetPydanticSchema(union)]).core_schema))
 
 
 def _with_names(schema: Any, *, is_named: bool = False) -> Any:
@@ -364,7 +360,7 @@ def _sentence(problem: Mapping[str, Any], where: str) -> str:
         return str(context["error"])
     if kind == "missing":
         return MISSING.get(where, "this key is missing")
-    if kind in ("union_tag_invalid", "union_tag_not_found", "model_attributes_type"):
+    if kind == "union_tag_invalid":
         return _kind_sentence(value, problem["loc"][0])
     if kind == "literal_error":
         return _choice(value, context["expected"].replace("'", '"'))

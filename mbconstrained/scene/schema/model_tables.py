@@ -30,14 +30,7 @@ from .entry_types import (
     Unit,
 )
 
-
-def _constraint_table():
-    from .element_tables import constraint_table
-
-    return constraint_table()
-
-
-ConstraintTable = Annotated[Any, LateTable(_constraint_table)]
+ConstraintTable = Annotated[Any, LateTable("ConstraintTable", ".element_tables")]
 
 
 #: Keys that belong to mass, damping and stiffness.
@@ -111,16 +104,12 @@ class MatrixFile(Table):
     array: Text | None = Field(None, description="The name of the matrix in an .npz, .mat or .op4 file.")
 
 
-def _matrix(value):
+def _matrix(value) -> MatrixFile | np.ndarray:
+    """A file, or the entries unchanged: floats in SI, expressions of parameters or texts with units."""
     if isinstance(value, str):
         return MatrixFile(file=value)
     if isinstance(value, dict):
         return MatrixFile.model_validate(value)
-    return _numbers(value)
-
-
-def _numbers(value) -> np.ndarray:
-    """The entries unchanged: floats in SI, expressions of parameters or texts with units."""
     if not isinstance(value, list) or not value or not all(isinstance(row, list) for row in value):
         raise InputError(f"found {shown(value)}; expected rows of numbers, e.g. [[1, 0], [0, 1]], or the name of a file")
     lengths = {len(row) for row in value}
@@ -216,9 +205,9 @@ class MatricesTable(DampedTable):
 
     @classmethod
     def _hint(cls, key: str) -> str:
-        from .scene_schema import _lumped_table
+        from .element_tables import lumped_table
 
-        if key not in _lumped_table().model_fields:
+        if key not in lumped_table().model_fields:
             return ""
         return f'; {key} is of kind = "lumped"; equations that change have phases and transitions, [[model.phase]] and [[model.transition]]'
 

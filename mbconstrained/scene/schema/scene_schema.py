@@ -6,8 +6,6 @@ import json
 import math
 import re
 from collections.abc import Iterator
-from functools import partial
-from importlib import import_module
 from typing import Annotated, Any, ClassVar, Literal, cast
 
 import numpy as np
@@ -289,11 +287,6 @@ class TimeTable(Table):
         object.__setattr__(self, "end", self.start + self.step * (points - 1))
 
     @property
-    def is_automatic(self) -> bool:
-        """Whether neither points nor step are given."""
-        return not {"points", "step"} & self.model_fields_set
-
-    @property
     def times(self) -> np.ndarray:
         """All times in s, shape (points,)."""
         if self.step is None:
@@ -413,19 +406,13 @@ class OutputTable(Table):
         return names
 
 
-def _named(module: str, name: str) -> type[BaseModel]:
-    """A table from a file that few scenes need."""
-    return getattr(import_module(module, __package__), name)
+def _model_table(kind: str) -> Any:
+    if kind == "lumped":
+        from .element_tables import lumped_table
 
-
-def _late(name: str, module: str = ".analysis_tables") -> LateTable:
-    return LateTable(partial(_named, module, name))
-
-
-def _lumped_table() -> Any:
-    from .element_tables import lumped_table
-
-    return lumped_table()
+        return lumped_table()
+    module = ".robot_tables" if kind == "robot" else ".model_tables"
+    return LateTable(f"{kind.title().replace('-', '')}Table", module).table
 
 
 def _force_table(kind: str) -> Any:
@@ -440,29 +427,21 @@ def _motion_table(kind: str) -> Any:
     return motion_table(kind)
 
 
-ForceTable = Annotated[Any, TablesByKind(**{kind: partial(_force_table, kind) for kind in SIGNALS})]
-MotionTable = Annotated[Any, TablesByKind("step", **{kind: partial(_motion_table, kind) for kind in SIGNALS})]
-
-_MODELS = {
-    "lumped": _lumped_table,
-    "matrices": partial(_named, ".model_tables", "MatricesTable"),
-    "robot": partial(_named, ".robot_tables", "RobotTable"),
-    "transfer_function": partial(_named, ".model_tables", "TransferFunctionTable"),
-    "state_space": partial(_named, ".model_tables", "StateSpaceTable"),
-}
-Model = Annotated[Any, TablesByKind(**_MODELS)]
-Changes = Annotated[Annotated[Any, _late("RobotChanges", ".robot_tables")] | None, SkipValidation]
-Frequency = Annotated[Any, _late("FrequencyTable")]
-Random = Annotated[Any, _late("RandomTable")]
-Shock = Annotated[Any, _late("ShockTable")]
-Fatigue = Annotated[Any, _late("FatigueTable")]
-Vary = Annotated[Any, _late("VaryTable")]
-Boundary = Annotated[Any, _late("BoundaryTable", ".force_tables")]
-LeastEnergy = Annotated[Any, _late("LeastEnergyTable", ".force_tables")]
-Campbell = Annotated[Any, _late("CampbellTable")]
-Orders = Annotated[Any, _late("OrdersTable")]
-Steady = Annotated[Any, _late("SteadyTable")]
-RobotPath = Annotated[Any, _late("PathTable")]
+ForceTable = Annotated[Any, TablesByKind(_force_table, SIGNALS)]
+MotionTable = Annotated[Any, TablesByKind(_motion_table, SIGNALS, "step")]
+Model = Annotated[Any, TablesByKind(_model_table, ("lumped", "matrices", "robot", *CONTROL))]
+Changes = Annotated[Annotated[Any, LateTable("RobotChanges", ".robot_tables")] | None, SkipValidation]
+Frequency = Annotated[Any, LateTable("FrequencyTable")]
+Random = Annotated[Any, LateTable("RandomTable")]
+Shock = Annotated[Any, LateTable("ShockTable")]
+Fatigue = Annotated[Any, LateTable("FatigueTable")]
+Vary = Annotated[Any, LateTable("VaryTable")]
+Boundary = Annotated[Any, LateTable("BoundaryTable", ".force_tables")]
+LeastEnergy = Annotated[Any, LateTable("LeastEnergyTable", ".force_tables")]
+Campbell = Annotated[Any, LateTable("CampbellTable")]
+Orders = Annotated[Any, LateTable("OrdersTable")]
+Steady = Annotated[Any, LateTable("SteadyTable")]
+RobotPath = Annotated[Any, LateTable("PathTable")]
 
 
 class SceneFile(Table):
@@ -508,7 +487,7 @@ class SceneFile(Table):
 
     @classmethod
     def _hint(cls, key: str) -> str:
-        if key not in _lumped_table().model_fields:
+        if key not in _model_table("lumped").model_fields:
             return ""
         return f"; it belongs to the model: write [[model.{key}]], or {key} = … below [model]"
 

@@ -9,10 +9,9 @@ import numpy as np
 import pytest
 
 import mbconstrained as mb
-from mbconstrained.analyses.stability import point as module
-from mbconstrained.analyses.stability.gallery import system
-from mbconstrained.analyses.stability.point import condition_of
-from mbconstrained.analyses.stability.problems import bodies, equations, moving
+from mbconstrained.analyses import stability as module
+from mbconstrained.analyses.gallery import bodies, equations, moving, system
+from mbconstrained.analyses.stability import condition_of
 from mbconstrained.analyses.study_problem import StudyProblem, mechanical_problem
 
 

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 import mbconstrained as mb
-from mbconstrained.analyses.stability import problems
-from mbconstrained.analyses.stability.gallery import GALLERY, System, broken_promises, system
-from mbconstrained.analyses.stability.point import points_of
+from mbconstrained.analyses import gallery
+from mbconstrained.analyses.gallery import GALLERY, System, broken_promises, system
+from mbconstrained.analyses.stability import points_of
 
 #: Wrong without a warning, and why. Empty is the goal.
 KNOWN_WRONG: dict[tuple[str, float], str] = {}
@@ -75,7 +75,7 @@ def test_a_problem_without_an_answer_keeps_no_promise_and_stops_nothing(monkeypa
     def damping_ratio(parameter):
         raise mb.InputError("nothing to build")
 
-    monkeypatch.setattr(problems, "damping_ratio", damping_ratio)
+    monkeypatch.setattr(gallery, "damping_ratio", damping_ratio)
     assert broken_promises(system("damping_ratio"), 1.0) == ("damping_ratio at 1: there is no problem (nothing to build)",)
 
 

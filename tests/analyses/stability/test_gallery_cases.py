@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 import mbconstrained as mb
-from mbconstrained.analyses.stability.gallery import system
-from mbconstrained.analyses.stability.point import MOST_EXPECTED, point_of
+from mbconstrained.analyses.gallery import system
+from mbconstrained.analyses.stability import MOST_EXPECTED, point_of
 from mbconstrained.analyses.study_problem import values_of
 from tests.oracles.referee import EPS, answer, case
 

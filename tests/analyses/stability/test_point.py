@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 import mbconstrained as mb
-from mbconstrained.analyses.stability.point import MOST_EXPECTED, Point, point_of
-from mbconstrained.analyses.stability.problems import bodies, equations, moving
+from mbconstrained.analyses.gallery import bodies, equations, moving
+from mbconstrained.analyses.stability import MOST_EXPECTED, Point, point_of
 from mbconstrained.analyses.study_problem import StudyProblem, problem_of
 from mbconstrained.ground.tolerances import EPS, TRUST_LIMIT
 from tests.oracles.referee import case

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 import mbconstrained as mb
-from mbconstrained.analyses.stability.gallery import GALLERY, system
-from mbconstrained.analyses.stability.point import Point, points_of
-from mbconstrained.analyses.stability.stability import (
+from mbconstrained.analyses.gallery import GALLERY, system
+from mbconstrained.analyses.stability import (
+    Point,
     ScalingSweep,
     StabilityReport,
     digit_plots,
@@ -17,6 +17,7 @@ from mbconstrained.analyses.stability.stability import (
     gallery_report,
     gallery_table,
     overview_plot,
+    points_of,
     reason_tables,
     scene_report,
 )

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import mbconstrained as mb
-from mbconstrained.analyses.stability.stability import scaling_factors
+from mbconstrained.analyses.stability import scaling_factors
 from mbconstrained.analyses.study_problem import problem_of
 from mbconstrained.scene.run.scene import read_scene
 

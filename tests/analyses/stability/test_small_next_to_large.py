@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import mbconstrained as mb
-from mbconstrained.analyses.stability.gallery import GALLERY, system
-from mbconstrained.analyses.stability.point import LARGEST_RATIO, point_of
+from mbconstrained.analyses.gallery import GALLERY, system
+from mbconstrained.analyses.stability import LARGEST_RATIO, point_of
 from mbconstrained.analyses.study_problem import values_of
 from tests.oracles.ball_exponential import after_pulse, motion
 

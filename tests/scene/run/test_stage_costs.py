@@ -23,7 +23,9 @@ from mbconstrained.scene.run.plan import (
 SIZE = 64_000_000
 SLACK = SIZE // 8  # pages that come and go beside what is measured
 
-resets = pytest.mark.skipif(not stage_costs._set_back(), reason="the highest resident memory cannot be set back here")
+resets = pytest.mark.skipif(
+    stage_costs._resident(is_set_back=True)[1] is None, reason="the highest resident memory cannot be set back here"
+)
 
 
 def touch() -> None:
@@ -65,7 +67,7 @@ def test_without_a_highest_of_its_own_the_growth_is_told(monkeypatch):
     touch()
     again = meter.lap("")
     assert 0 <= again.memory < SLACK  # what was needed before is no growth
-    assert again.peak == stage_costs._highest()
+    assert again.peak == stage_costs._resident()[0]
 
 
 def test_without_any_measure_none_is_told_and_nothing_fails(monkeypatch):
