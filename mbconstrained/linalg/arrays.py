@@ -133,7 +133,7 @@ def filled(matrix: Matrix, axis: int) -> np.ndarray:
 def is_diagonal(matrix: Matrix) -> bool:
     """Whether a square matrix has all its entries on the diagonal, none of them zero."""
     count = np.count_nonzero(matrix.diagonal())
-    return count == matrix.shape[0] == entry_count(matrix)
+    return count == matrix.shape[0] == (np.count_nonzero(matrix) if isinstance(matrix, np.ndarray) else matrix.nnz)
 
 
 def product(matrix: Matrix, columns: np.ndarray, size: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -256,10 +256,10 @@ class Modes(Presented, Sequence):
             return ((),) * len(self.modes)
         each = iter(parts._shares_of(shapes, values))
         result = [tuple(islice(each, mode.shapes.shape[1])) for mode in self.modes]
-        return tuple(
-            tuple(replace(one, kinetic=None) for one in own) if mode.kind == "offset" else own
-            for mode, own in zip(self.modes, result)
-        )
+        for place, mode in enumerate(self.modes):
+            if mode.kind == "offset":
+                result[place] = tuple(replace(one, kinetic=None) for one in result[place])
+        return tuple(result)
 
     @cached_property
     def residuals(self) -> np.ndarray:
@@ -284,7 +284,7 @@ class Modes(Presented, Sequence):
     def _columns(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """The mode of each shape and its eigenvalue, shape (g,), and the shapes, shape (n, g)."""
         places = np.repeat(np.arange(len(self.modes)), [mode.shapes.shape[1] for mode in self.modes])
-        shapes = np.concatenate([np.zeros((len(self.names), 0)), *(mode.shapes for mode in self.modes)], axis=1)
+        shapes = np.concatenate([np.zeros((len(self.names), 0)), *[mode.shapes for mode in self.modes]], axis=1)
         return places, np.array([mode.eigenvalue for mode in self.modes], dtype=complex)[places], shapes
 
     def lowest(self, count: int) -> Modes:
@@ -420,11 +420,11 @@ def _by_reduction(A: PolynomialMatrix, definite: bool) -> tuple[list[Moving], li
     elif definite:
         K, C, M = A.coefficients
         if symmetric := _symmetric_modes(M, C, K):
-            return [*_grouped(*symmetric)], []
+            return _grouped(*symmetric), []
     elif isinstance(own := A.reduction, Reduction) and len(own.second) and not len(own.first) and own.conserved is None:
         symmetric = _symmetric_modes(*map(full, (own.M, own.C, own.K))) if own.is_finite and own.is_reciprocal else None
         if symmetric:
-            return [*_grouped(symmetric[0], own.V @ symmetric[1])], []
+            return _grouped(symmetric[0], own.V @ symmetric[1]), []
     reduction = serving_reduction(A, zero(A.size))
     parts = reduction.decoupled
     groups, outputs = BlockGroups.of(parts.blocks), parts.modal_output(reduction.output)
@@ -446,7 +446,7 @@ def _by_reduction(A: PolynomialMatrix, definite: bool) -> tuple[list[Moving], li
         values = np.where(np.abs(values) ** 2 <= EPS * np.abs(values).max() ** 2, 0.0, values)
     moving = values != 0
     count = int((~moving).sum() + (~moving & (computed.imag > 0)).sum())  # of a complex pair one is listed
-    return [*_grouped(values[moving], shapes[:, moving])], [*_at_rest(A, count)]
+    return _grouped(values[moving], shapes[:, moving]), [*_at_rest(A, count)]
 
 
 def _symmetric_modes(M: np.ndarray, C: np.ndarray, K: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
@@ -507,17 +507,18 @@ def _forms(matrix: np.ndarray, X: np.ndarray) -> np.ndarray:
     return sums.astype(float) @ X**2 - values[upper] @ (X[row[upper]] - X[column[upper]]) ** 2
 
 
-def _grouped(values: np.ndarray, shapes: np.ndarray) -> Iterator[Moving]:
+def _grouped(values: np.ndarray, shapes: np.ndarray) -> list[Moving]:
     """Eigenvalues with their multiplicities, ascending, and their shapes."""
     order, ends = _equal(values)
-    values, shapes, begin = values[order], _normalized(shapes[:, order]), 0
+    values, shapes, begin, result = values[order], _normalized(shapes[:, order]), 0, []
     numbers, parts, real = values.tolist(), shapes, [True] * len(order)
     if shapes.dtype.kind == "c":
         real, parts = (np.abs(shapes.imag).max(axis=0, initial=0.0) <= noise_of(1.0, len(shapes))).tolist(), shapes.real.copy()
     for end in ends:
         value = numbers[begin] if end == begin + 1 else complex(values[begin:end].mean())
-        yield value, end - begin, (parts if all(real[begin:end]) else shapes)[:, begin:end], False
+        result.append((value, end - begin, (parts if all(real[begin:end]) else shapes)[:, begin:end], False))
         begin = end
+    return result
 
 
 def _equal(values: np.ndarray) -> tuple[np.ndarray, list[int]]:
