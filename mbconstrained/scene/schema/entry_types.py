@@ -375,7 +375,8 @@ def _sentence(problem: Mapping[str, Any], where: str) -> str:
         return _choice(value, context["expected"].replace("'", '"'))
     if kind == "list_type" and isinstance(value, dict):
         return f"found one table; write it with double brackets, [[{where}]], once for every entry"
-    return f"found {shown(value)}; {_expectation(kind, context) or problem['msg']}"
+    example = f", such as [{shown(value)}]" if kind == "list_type" and isinstance(value, str) else ""
+    return f"found {shown(value)}; {_expectation(kind, context) or problem['msg']}{example}"
 
 
 def _kind_sentence(value, where: str) -> str:
