@@ -37,7 +37,7 @@ MEANT = {  # what people write: what a scene calls it
     "position": "displacement", "speed": "velocity", "start": "initial", "duration": "end", "stop": "end", "steps": "points",
     "step": "points", "type": "kind", "body": "coordinate", "amplitude": "value", "ends": "between", "bodies": "between",
     "friction": "dry_friction", "unilateral": "contact", "gap": "contact", "bumper": "contact", "rope": "cable", "play": "backlash",
-    "file": "robot", "urdf": "robot", "preload": "rest_length", "shaft": "torsion_spring", "at": "on", "speeds": "from",
+    "file": "robot", "urdf": "robot", "input": "coordinate", "preload": "rest_length", "shaft": "torsion_spring", "at": "on", "speeds": "from",
     "k": "stiffness", "c": "damping", "m": "mass", "weight": "mass", "length": "rest_length", "options": "output", "on": "coordinate", "node": "coordinate", "coordinate": "on",
 }  # fmt: skip
 
