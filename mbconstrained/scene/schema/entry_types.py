@@ -37,7 +37,7 @@ MEANT = {  # what people write: what a scene calls it
     "position": "displacement", "speed": "velocity", "start": "initial", "duration": "end", "stop": "end", "steps": "points",
     "step": "points", "type": "kind", "body": "coordinate", "amplitude": "value", "ends": "between", "bodies": "between",
     "friction": "dry_friction", "unilateral": "contact", "gap": "contact", "bumper": "contact", "rope": "cable", "play": "backlash",
-    "file": "robot", "urdf": "robot", "preload": "rest_length", "shaft": "torsion_spring", "at": "on", "speeds": "from",
+    "file": "robot", "urdf": "robot", "input": "coordinate", "preload": "rest_length", "shaft": "torsion_spring", "at": "on", "speeds": "from",
     "k": "stiffness", "c": "damping", "m": "mass", "weight": "mass", "length": "rest_length", "options": "output", "on": "coordinate", "node": "coordinate", "coordinate": "on",
 }  # fmt: skip
 
@@ -375,7 +375,8 @@ def _sentence(problem: Mapping[str, Any], where: str) -> str:
         return _choice(value, context["expected"].replace("'", '"'))
     if kind == "list_type" and isinstance(value, dict):
         return f"found one table; write it with double brackets, [[{where}]], once for every entry"
-    return f"found {shown(value)}; {_expectation(kind, context) or problem['msg']}"
+    example = f", such as [{shown(value)}]" if kind == "list_type" and isinstance(value, str) else ""
+    return f"found {shown(value)}; {_expectation(kind, context) or problem['msg']}{example}"
 
 
 def _kind_sentence(value, where: str) -> str:
