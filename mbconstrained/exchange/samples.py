@@ -91,7 +91,8 @@ def _samples(path: Path, column, time, step, header: int, array, decimal) -> Sam
     if suffix in UNIVERSAL:
         _refuse(path, "the file has its own times", time=time, step=step, header=header)
         function = read_function(path, column)
-        return Samples(path.name, function.times, function.values, function.name, "s", function.unit, True)
+        data = function.times, function.values, function.name, "s", function.unit
+        return Samples(path.name, *data, is_scaled=function.is_scaled, notes=function.notes)
     if step is None and not header and decimal is None and (motion := ground_motion(path.name, text_of(path))):
         _refuse(path, "the file has its own times and one column", time=time, column=column)
         times = motion.step * np.arange(len(motion.values))

@@ -10,6 +10,7 @@ from __future__ import annotations
 import json
 import warnings
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from itertools import product
 from pathlib import Path
@@ -18,8 +19,9 @@ import numpy as np
 
 from ..ground.by_name import Public
 from ..ground.checks import nearest, optional_package
-from ..ground.errors import InputError
+from ..ground.errors import InputError, shown
 from ..ground.files import damaged, read_isolated
+from ..ground.quantities import any_quantity, meant, unit_name
 
 UNIVERSAL = (".uff", ".unv", ".uf", ".bunv")
 
@@ -35,6 +37,9 @@ _TIME, _TIME_RESPONSE, _FREQUENCY, _FREQUENCY_RESPONSE, _REACTION = 17, 1, 18, 4
 _DIRECTIONS = ("", "X", "Y", "Z", "RX", "RY", "RZ")
 LONGEST_ID = 80
 
+#: Units whose sizes differ by less are the same: factors of data set 164 may be single numbers.
+SAME_UNIT = 1e-5
+
 
 @dataclass(frozen=True, eq=False)
 class Function:
@@ -44,7 +49,9 @@ class Function:
     # shape (T,), in s and in the unit
     times: np.ndarray = field(repr=False)
     values: np.ndarray = field(repr=False)
-    unit: str  # in SI; an empty text where the file does not state the kind of quantity
+    unit: str  # in SI; the label of its axis where the file does not state the kind of quantity
+    is_scaled: bool  # whether the values are in SI
+    notes: tuple[str, ...] = ()  # where the label of its axis is another unit
 
 
 def read_function(path: Path, which: int | str | None = None) -> Function:
@@ -61,6 +68,8 @@ def read_function(path: Path, which: int | str | None = None) -> Function:
     if which is None and len(functions) > 1:
         listed = ", ".join(f"{number} {name}" for number, name in enumerate(names[:8], 1))
         raise InputError(f"{path.name}: column: the file has {len(functions)} functions; give the number or name of one: {listed}")
+    if isinstance(which, bool) or not isinstance(which, (str, int, type(None))):
+        raise InputError(f"{path.name}: column: found {shown(which)}; expected the number or the name of a function")
     if isinstance(which, str):
         if names.count(which.strip()) != 1:
             problem = "several functions have" if which.strip() in names else "there is no function of"
@@ -86,7 +95,16 @@ def _function(path: Path, name: str, dataset: Mapping, units: Mapping) -> Functi
     scale = units["length"] ** length * units["force"] ** force
     if not 0 < scale < np.inf:
         raise InputError(f"{path.name}: the factors of its units (data set 164) are not positive numbers")
-    return Function(name, times, values if scale == 1 else values / scale, unit)
+    label = dataset["ordinate_axis_units_lab"].strip()
+    if not unit:
+        return Function(name, times, values, "" if label == "NONE" else label, False)
+    with suppress(InputError):  # of labels that are no units
+        written = meant(unit_name(label), unit)
+        if written != "1" and abs(any_quantity(f"1 {written}")[0] * scale - 1) > SAME_UNIT:
+            taken = unit if scale == 1 else f"{1 / scale:.6g} {unit}"
+            note = f'the axis is labelled "{label}", but {taken} is its unit by data set 164, SI without one; give a factor if the label is right'
+            return Function(name, times, values / scale, unit, True, (note,))
+    return Function(name, times, values if scale == 1 else values / scale, unit, True)
 
 
 def _save_datasets(path: str, function_type: int) -> None:
@@ -114,7 +132,8 @@ def _save_datasets(path: str, function_type: int) -> None:
                 f"{len(datasets)}.npz", x=x[: data.size + 1], data=data
             )  # x has as many entries as the file states, perhaps billions
             numbers = {key: int(function[key]) for key in ("num_pts", "ordinate_spec_data_type", "rsp_dir")}
-            datasets.append({"type": kind, "id1": str(function["id1"]), **numbers})
+            label = str(function.get("ordinate_axis_units_lab", ""))
+            datasets.append({"type": kind, "id1": str(function["id1"]), "ordinate_axis_units_lab": label, **numbers})
     with open("datasets.json", "w") as text:
         json.dump(datasets, text)
 

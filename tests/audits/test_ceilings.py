@@ -28,7 +28,7 @@ LINES = {
     "control": 2480,
     "docs": 498,
     "exact": 6844,
-    "exchange": 1851,
+    "exchange": 1871,
     "frequency": 6142,
     "ground": 2500,
     "linalg": 5186,

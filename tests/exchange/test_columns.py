@@ -235,6 +235,14 @@ def test_units_that_a_name_may_mean_are_noted(tmp_path):
     assert (stated.times.tolist(), stated.values.tolist(), stated.notices) == ([0, 0.5], [9.80665, 19.6133], ())
 
 
+def test_a_record_in_the_time_of_a_clock_is_noted(tmp_path):
+    (tmp_path / "a.csv").write_text("t,x\n1700000000,1\n1700000001.5,2\n")
+    (notice,) = mb.read_record(tmp_path / "a.csv").notices
+    assert "it begins at 1700000000 s, which is longer than it lasts" in notice.text
+    record = mb.read_record(tmp_path / "a.csv", start="1700000000 s")
+    assert record.times.tolist() == [0, 1.5] and not record.notices
+
+
 @pytest.mark.parametrize("column", [2.0, True, [2]])
 def test_a_column_is_a_number_or_a_name(tmp_path, column):
     (tmp_path / "a.csv").write_text("t,x\n0,1\n1,2\n")

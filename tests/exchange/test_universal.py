@@ -1,5 +1,7 @@
 """Universal files: written and read again, read by pyuff itself, and with units of other systems."""
 
+import re
+
 import numpy as np
 import pytest
 import pyuff
@@ -95,6 +97,33 @@ def test_units_of_other_systems_become_si(tmp_path):
     assert force.times.tolist() == [0, 0.25, 0.5, 0.75]
 
 
+MILLIMETRES = {"type": 164, "units_code": 5, "length": 1000.0, "force": 1.0, "temp": 1.0, "temp_offset": 273.15}
+
+
+@pytest.mark.parametrize(
+    ("datasets", "unit", "last", "note"),
+    [
+        ([dataset(ordinate_axis_units_lab="N")], "N", 4.0, ""),
+        ([dataset(ordinate_axis_units_lab="kN")], "N", 4.0, 'labelled "kN", but N is its unit by data set 164'),
+        ([dataset(ordinate_spec_data_type=12, ordinate_axis_units_lab="g")], "m/s^2", 4.0, 'labelled "g", but m/s.2 is'),
+        ([MILLIMETRES, dataset(ordinate_spec_data_type=12, ordinate_axis_units_lab="mm/s^2")], "m/s^2", 0.004, ""),
+        ([MILLIMETRES, dataset(ordinate_spec_data_type=12, ordinate_axis_units_lab="m/s^2")], "m/s^2", 0.004, "but 0.001 m/s.2 is"),
+        ([dataset(ordinate_spec_data_type=0, ordinate_axis_units_lab="mm")], "m", 0.004, ""),  # of no stated kind: its label
+        ([dataset(ordinate_spec_data_type=1, ordinate_axis_units_lab="counts")], "", 4.0, '"counts" .* is no known unit'),
+    ],
+)
+def test_labels_of_axes(tmp_path, datasets, unit, last, note):
+    pyuff.UFF(str(tmp_path / "a.unv")).write_sets(datasets, "overwrite")
+    record = mb.read_record(tmp_path / "a.unv")
+    assert record.unit == unit and record.values[-1] == pytest.approx(last, rel=1e-12)
+    assert len(record.notices) == bool(note) and all(re.search(note, notice.text) for notice in record.notices)
+
+
+def test_a_unit_can_be_given_where_the_file_states_no_kind(tmp_path):
+    pyuff.UFF(str(tmp_path / "a.unv")).write_sets([dataset(ordinate_spec_data_type=1)], "overwrite")
+    assert mb.read_record(tmp_path / "a.unv", unit="kN").values.tolist() == [0, 1000, 2000, 4000]
+
+
 @pytest.mark.parametrize(
     ("datasets", "arguments", "message"),
     [
@@ -104,6 +133,7 @@ def test_units_of_other_systems_become_si(tmp_path):
             r"a\.uff: column: the file has 2 functions; give the number or name of one: 1 force, 2 b",
         ),
         ([dataset()], {"column": 2}, r"column: found 2; the file has 1 functions"),
+        ([dataset()], {"column": 1.0}, r"column: found 1\.0; expected the number or the name of a function"),
         ([dataset()], {"column": "forse"}, r'there is no function of the name "forse"; did you mean "force"'),
         ([dataset(), dataset()], {"column": "force"}, r'several functions have the name "force"'),
         ([dataset(func_type=4)], {}, r"found no function of time"),

@@ -209,6 +209,11 @@ def record_in_si(
     values = values + size if (size := _offset(offset, own_unit)) else values
     _check_sizes(samples, times, values)
     times, values = along.part(samples.file, times, values, start, end)
+    if times[0] > times[-1] - times[0]:
+        notes.append(
+            f'it begins at {times[0]:.12g} s, which is longer than it lasts, and has no effect before; start = "{times[0]:.12g} s" '
+            "makes this t = 0"
+        )
     if baseline is not None:
         values, note = _without_baseline(times, values, own_unit, baseline, baseline_fit)
         notes.append(note)
