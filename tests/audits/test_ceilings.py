@@ -54,7 +54,7 @@ INJECTED: set[str] = set()
 #: Functions of the package that a call touches; bodies of modules and of classes, which imports run, are not functions (their code has no
 #: flag CO_OPTIMIZED, 1).
 TOUCHED = {
-    "run": ("import mbconstrained as mb; scene = mb.read_scene('examples/two_masses.toml'); result = scene.run(None); result.summary()", 609),
+    "run": ("import mbconstrained as mb; scene = mb.read_scene('examples/two_masses.toml'); result = scene.run(None); result.summary()", 606),
     "solve": ("import numpy as np, mbconstrained as mb; x = mb.MechanicalSystem(np.eye(2), stiffness=[[2, -1], [-1, 2]]).solve([1, 0]); x(np.linspace(0, 9, 50))", 235),
     "modes": ("import numpy as np, mbconstrained as mb; mb.MechanicalSystem(np.eye(2), stiffness=[[2, -1], [-1, 2]]).modes().frequencies_hz", 64),
 }  # fmt: skip
