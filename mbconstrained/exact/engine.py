@@ -383,10 +383,14 @@ class ExactPair:
 class ElementaryDivisor:
     """The powers p^k of one irreducible polynomial p among the elementary divisors of A(s)."""
 
-    polynomial: object  # p, monic, irreducible over the field: Fractions, the lowest power first, or a Poly in s
-    exponents: tuple[int, ...]  # the k > 0, ascending: the partial multiplicities of each of the zeros of p
     ring: PolynomialRing = field(compare=False)
-    divisor: Polynomial = field(compare=False)
+    divisor: Polynomial
+    exponents: tuple[int, ...]  # the k > 0, ascending: the partial multiplicities of each of the zeros of p
+
+    @property
+    def polynomial(self) -> Any:
+        """p, monic, irreducible over the field: Fractions, the lowest power first, or a Poly in s."""
+        return self.ring.exported(self.divisor)
 
     def __repr__(self) -> str:
         return f"ElementaryDivisor({self.ring.text(self.divisor)}, exponents {self.exponents})"
@@ -498,7 +502,7 @@ class ExactJordanPairs:
             finite_zeros=ring.finite_zeros(divisors),
             infinite_divisors=(*(0,) * (A.size - len(at_infinity)), *at_infinity),
             determinant=ring.exported(A.determinant),
-            elementary_divisors=tuple(ElementaryDivisor(ring.exported(p), exponents, ring, p) for p, _, exponents in divisors),
+            elementary_divisors=tuple(ElementaryDivisor(ring, p, exponents) for p, _, exponents in divisors),
             ring=ring,
             assumptions=self.structure_assumptions(),
         )

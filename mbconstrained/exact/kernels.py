@@ -44,9 +44,7 @@ def kernel_structure(A: PolynomialMatrix) -> ExactStructure:
         right_kernel=tuple(PolynomialVector.of(vector, A.coordinates) for vector in right),
         left_kernel=tuple(PolynomialVector.of(vector, A.equations) for vector in left),
         determinant=() if m == n else None,
-        elementary_divisors=tuple(
-            ElementaryDivisor(RATIONALS.exported(p), exponents, RATIONALS, p) for p, _, exponents in divisors
-        ),
+        elementary_divisors=tuple(ElementaryDivisor(RATIONALS, p, exponents) for p, _, exponents in divisors),
         ring=RATIONALS,
     )
 

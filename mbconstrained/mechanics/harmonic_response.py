@@ -22,7 +22,7 @@ from ..ground.checks import check_known, counted, nearest, real_array, real_numb
 from ..ground.display import Displayed, TextTable, number_text
 from ..ground.errors import InputError
 from ..ground.named_arrays import named_array
-from ..ground.tolerances import EPS, SAME_FREQUENCY
+from ..ground.tolerances import EPS, FLOAT64_DIGITS, SAME_FREQUENCY
 from ..ground.units import force_unit, rate_unit, ratio_unit
 from ..linalg.arrays import full
 from ..polynomial.delayed_terms import DelayedTerm
@@ -462,30 +462,31 @@ def steady_state(
     A = PolynomialMatrix(coefficients, [*names, *(f"output {number}" for number in range(1, len(B) - len(names) + 1))])
     C = np.vstack([np.diag(np.repeat([1.0, -1.0], [n, len(rows)])) @ np.eye(len(names), len(B)), of_outputs])
     answers, errors = np.zeros((len(C), len(omegas)), dtype=complex), np.zeros(len(omegas))
-    labels = ("real part", "imaginary part"), (*names, *(one.name for one in further)), np.full((len(C), 2), "")
-    delayed = delayed_unknowns(system, A.size)
-    for line, omega in enumerate(omegas):
-        parts = B @ np.stack([loads[omega].real, loads[omega].imag], axis=1)
-        at_line = Harmonic(A, parts, C, 0, imaginary if omega else None, sizes, *labels, delayed=delayed)
-        H = evaluated(at_line, [omega / (2 * np.pi)])
+    labels, outputs = ("real part", "imaginary part"), (*names, *(one.name for one in further))
+    delayed, count, f = delayed_unknowns(system, A.size), len(names), np.array(omegas) / (2 * np.pi)
+    for columns, weights, lines in _alike([B @ loads[omega] for omega in omegas], f):
+        m = columns.shape[1]
+        of_lines = Harmonic(
+            A, columns, C, 0, imaginary if f[lines[0]] else None, sizes, labels[:m], outputs, np.full((len(C), m), "")
+        )
+        H = evaluated(replace(of_lines, delayed=delayed), f[lines])
         if H.poles_on_lines:
-            if not omega:
+            if not (at := H.poles_on_lines[0].frequency_hz):
                 raise InputError(
                     "force: its constant part moves a body that nothing restores away without end; there is no steady state"
                 )
             raise InputError(
-                f"force: at {number_text(omega / (2 * np.pi))} Hz it acts on an undamped motion of this frequency, which grows; "
+                f"force: at {number_text(at)} Hz it acts on an undamped motion of this frequency, which grows; "
                 "there is no steady state without damping"
             )
-        answers[:, line] = H.values[..., 0] @ [1.0, 1j]
-        size = np.abs(H.values[: len(names), :, 0])
-        errors[line] = (H.error_estimate[: len(names), :, 0] * size).max() / max(size.max(), np.finfo(float).tiny)
-    count = len(names)
+        answers[:, lines] = np.einsum("pml,ml->pl", H.values, weights)
+        size = np.abs(H.values[:count])
+        largest = np.maximum(size.max(axis=(0, 1)), np.finfo(float).tiny)
+        errors[lines] = (H.error_estimate[:count] * size).max(axis=(0, 1)) / largest
     answers[count:] *= (1j * np.array(omegas)) ** power
     if omegas and not omegas[0]:
         answers[count:, 0] += constants
     units = {**system.units, **{row.name: force_unit(row.unit) for row in rows}}
-    f = np.array(omegas) / (2 * np.pi)
     motion = None
     turns = np.array(omegas) * (period or 0.0) / (2 * np.pi)
     repeats = (np.abs(turns - np.rint(turns)) <= SAME_FREQUENCY * np.maximum(turns, 1.0)).all()
@@ -497,6 +498,21 @@ def steady_state(
     amplitudes = named_array(answers[:n], system.names), named_array(answers[n:count], names[n:])
     further_values = answers[count:], tuple(further)
     return SteadyState(system.names, names[n:], f, *amplitudes, errors, units, period, motion, *further_values)
+
+
+def _alike(loads: Sequence[np.ndarray], frequencies: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray, list[int]]]:
+    """Lines whose loads are multiples of each other: real columns (r, m), the factors of these (m, L), and the L lines."""
+    groups: dict[tuple, tuple[np.ndarray, list[list[complex]], list[int]]] = {}
+    for line, (load, frequency) in enumerate(zip(loads, frequencies)):
+        factor = load[np.abs(load).argmax()] or 1.0
+        columns, weights = (load / factor)[:, None], [factor]
+        if (np.abs(columns.imag) > 4 * EPS).any():
+            columns, weights = np.stack([load.real, load.imag], axis=1), [1.0, 1j]
+        key = bool(frequency), np.round(columns.real, FLOAT64_DIGITS - 2).tobytes()
+        _, factors, lines = groups.setdefault(key, (columns.real, [], []))
+        factors.append(weights)
+        lines.append(line)
+    return ((columns, np.array(factors).T, lines) for columns, factors, lines in groups.values())
 
 
 def _periodic_motion(system: EquationsOfMotion, force: ImpulsiveSmooth | None, period: float) -> Motion | None:

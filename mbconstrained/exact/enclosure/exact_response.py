@@ -9,13 +9,13 @@ Dirac's impulses, the rest at s = infinity has the values at 0+, and at s = 0 th
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property, lru_cache
 from itertools import zip_longest
 from math import factorial, inf, isfinite, lcm, nextafter
-from typing import NamedTuple, Protocol
+from typing import NamedTuple, Protocol, TypeAlias
 
 import flint
 import numpy as np
@@ -42,7 +42,7 @@ from ..rational import (
     regular_matrix,
     working_precision,
 )
-from .exact_sources import ONE, ExactSource, Factor, S, Shape, added, ball, sources_of, summed, vector_of
+from .exact_sources import ONE, ExactSource, Factor, S, Shape, Vector, added, ball, sources_of, summed, vector_of
 from .intervals import Enclosure, bits_of, has_digits
 
 #: Bits to begin with, beyond those of the requested digits.
@@ -292,13 +292,8 @@ def _balls(p: flint.fmpq_poly) -> flint.acb_poly:
 
 # The response to all values and sources.
 
-
-@dataclass(frozen=True)
-class Part:
-    """A response to one function of time from t = 0 on with the factor one, and its times of onset and factors."""
-
-    response: RationalResponse
-    calls: tuple[tuple[flint.fmpq, Factor], ...]
+#: Times of onset of a response, with factors.
+Calls: TypeAlias = tuple[tuple[flint.fmpq, Factor], ...]
 
 
 @dataclass(repr=False, eq=False)
@@ -406,32 +401,26 @@ class ExactResponse(Displayed):
         return Enclosure.of(rows if times.ndim else [row[0] for row in rows], times, digits)
 
     @cached_property
-    def _parts(self) -> tuple[Part, ...]:
-        parts = [Part(self._from_start, ((ZERO, flint.fmpq(1)),)), *self._called()]
-        return tuple(part for part in parts if not part.response.is_zero)
-
-    @cached_property
-    def _from_start(self) -> RationalResponse:
-        """The response to sources from t = 0 on with a rational factor, and to the values at 0-, which act as impulses."""
-        now = (
-            (tuple(source.factor * entry for entry in source.vector), source.shape)
-            for source in self.sources
-            if _is_immediate(source)
-        )
-        total, below = summed(now, self.matrix.size)
-        started = start_transform(self.matrix.coefficients, self.initial)
-        return RationalResponse(self.matrix, [own + entry * below for own, entry in zip(total, started)], below, self.rows)
-
-    def _called(self) -> Iterator[Part]:
-        """Responses to later sources, or with irrational factors: equal functions of time share their response."""
+    def _parts(self) -> list[tuple[RationalResponse, Calls]]:
+        """Responses to functions of time from t = 0 on with the factor one; equal functions share their response."""
+        now: list[tuple[Vector, Shape]] = []
         groups: dict[tuple, list[ExactSource]] = {}
-        for source in (source.normalized() for source in self.sources if not _is_immediate(source)):
-            groups.setdefault((source.shape.key, source.vector), []).append(source)
+        for source in self.sources:
+            if source.time == 0 and isinstance(source.factor, flint.fmpq):
+                now.append((tuple(source.factor * entry for entry in source.vector), source.shape))
+            else:
+                source = source.normalized()
+                groups.setdefault((source.shape.key, source.vector), []).append(source)
+        total, below = summed(now, self.matrix.size)
+        started = start_transform(self.matrix.coefficients, self.initial)  # values at 0- act as impulses
+        first = RationalResponse(self.matrix, [own + entry * below for own, entry in zip(total, started)], below, self.rows)
+        parts: list[tuple[RationalResponse, Calls]] = [(first, ((ZERO, flint.fmpq(1)),))]
         for group in groups.values():
-            shape, calls = group[0].shape, added((source.time, source.factor) for source in group)
-            b = [shape.numerator * entry for entry in group[0].vector]
-            if calls:
-                yield Part(RationalResponse(self.matrix, b, shape.denominator, self.rows), calls)
+            if calls := added((source.time, source.factor) for source in group):
+                shape, vector = group[0].shape, group[0].vector
+                b = [shape.numerator * entry for entry in vector]
+                parts.append((RationalResponse(self.matrix, b, shape.denominator, self.rows), calls))
+        return [part for part in parts if not part[0].is_zero]
 
     def _impulses(self, number) -> list[list]:
         """Factors of delta, delta', ... at t = 0, in numbers of one kind."""
@@ -443,8 +432,8 @@ class ExactResponse(Displayed):
     def _started(self, time: flint.fmpq, rows_of: Callable[[RationalResponse], list[list[flint.fmpq]]], number) -> list[list]:
         """The sum of rows of the responses that begin at a time, in numbers of one kind."""
         total: list[list] = []
-        for part, factor in ((each, factor) for each in self._parts for at, factor in each.calls if at == time):
-            if any(map(any, rows := rows_of(part.response))):
+        for response, factor in ((response, factor) for response, calls in self._parts for at, factor in calls if at == time):
+            if any(map(any, rows := rows_of(response))):
                 amount = number(factor)
                 total += [[number(ZERO)] * self.size for _ in rows[len(total) :]]
                 total[: len(rows)] = [[a + amount * b for a, b in zip(*pair)] for pair in zip(total, rows)]
@@ -506,16 +495,16 @@ class ExactResponse(Displayed):
     @cached_property
     def _events(self) -> dict[float, flint.fmpq]:
         """The exact times of events by the nearest floats, which stand for the right limit at the event."""
-        return {float(fraction(begin)): begin for part in self._parts for begin, _ in part.calls}
+        return {float(fraction(begin)): begin for _, calls in self._parts for begin, _ in calls}
 
     def _values(self, times: Sequence[flint.fmpq], order: int) -> list[list[flint.arb]]:
         """Columns (r,) of balls, one for each time, at the working precision."""
         if not times or not self.size:
             return [[] for _ in times]
         calls = [
-            (begin, part.response, factor, part.response.at_zero[order:], part.response.poles(order))
-            for part in self._parts
-            for begin, factor in part.calls
+            (begin, response, factor, response.at_zero[order:], response.poles(order))
+            for response, onsets in self._parts
+            for begin, factor in onsets
         ]
         calls.sort(key=lambda call: call[0])
         begun, number, columns = Begun(self.size), 0, [[] for _ in times]
@@ -586,10 +575,6 @@ def _as_float(entry: flint.arb) -> tuple[float, float]:
         return value, inf
     error = (entry - value).abs_upper()
     return value, nextafter(float(error), inf) if error > 0 else 0.0
-
-
-def _is_immediate(source: ExactSource) -> bool:
-    return source.time == 0 and isinstance(source.factor, flint.fmpq)
 
 
 def _certain(compute, digits: int) -> list[list[flint.arb]]:

@@ -127,11 +127,8 @@ def _propagated(generator, start: Vector, time: flint.fmpq) -> Vector | None:
 
 def _states_shapes(block: np.ndarray) -> list[list[Shape]]:
     """The entries of (s I - J)^-1."""
-    size = len(block)
-    pencil = RationalMatrix([(-block).tolist(), np.eye(size).tolist()])
-    below = pencil.determinant
-    columns = [pencil.numerators([flint.fmpq_poly([int(k == entry)]) for k in range(size)]) for entry in range(size)]
-    return [[_reduced(columns[column][row], below) for column in range(size)] for row in range(size)]
+    pencil = RationalMatrix([(-block).tolist(), np.eye(len(block)).tolist()])
+    return [[_reduced(entry, pencil.determinant) for entry in row] for row in pencil.adjugate]
 
 
 def _reduced(above: flint.fmpq_poly, below: flint.fmpq_poly) -> Shape:

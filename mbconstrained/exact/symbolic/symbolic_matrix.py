@@ -448,7 +448,7 @@ class SymbolicJordanPairs(ExactJordanPairs):
     def assumptions(self) -> tuple[sympy.Expr, ...]:
         """Expressions in the symbols that must not vanish for both pairs: those of the structure, and every pivot."""
         terms = () if self._is_one_companion else self.terms
-        pivots = (_resultant(term.divisor, term.pivot) for term in terms)
+        pivots = (term.divisor.rep.resultant(term.pivot.rep) for term in terms)
         return must_not_vanish(self.matrix.field, itertools.chain(self._divided_by(), pivots))
 
     def structure_assumptions(self) -> tuple[sympy.Expr, ...]:
@@ -460,11 +460,11 @@ class SymbolicJordanPairs(ExactJordanPairs):
         yield from (field.convert(field.denom(c), field.get_ring()) for matrix in A.elements for row in matrix for c in row)
         yield A.determinant.rep.LC()
         for place, (p, multiplicity) in enumerate(self.factors):
-            yield from (_resultant(p, other) for other, _ in self.factors[:place])
+            yield from (p.rep.resultant(other.rep) for other, _ in self.factors[:place])
             if p.degree() > 1 and self.ring.roots(p) is not None:
-                yield _resultant(p, p.diff())
+                yield p.rep.resultant(p.diff().rep)
             if multiplicity > 1:
-                yield from (_resultant(p, term.pivot) for term in self.root_polynomials(place))
+                yield from (p.rep.resultant(term.pivot.rep) for term in self.root_polynomials(place))
         yield from (term.pivot.rep.LC() for term in self.infinity)
 
     @property
@@ -537,8 +537,3 @@ def must_not_vanish(field: Domain, values: Iterable) -> tuple[sympy.Expr, ...]:
                     is_definite[factor] = sign(field, field.convert(factor, ring)) in (1, -1)
     doubtful = [ring.to_sympy(factor) for factor, definite_sign in is_definite.items() if not definite_sign]
     return tuple(sorted(doubtful, key=lambda e: (sympy.count_ops(e), str(e))))
-
-
-def _resultant(p: sympy.Poly, other: sympy.Poly):
-    """Resultant of two Polys over the field, an element of it: zero where they have a common zero."""
-    return p.domain.from_sympy(p.resultant(other))

@@ -62,7 +62,7 @@ class TimeTerm:
 
     @property
     def is_constant(self) -> bool:
-        return self.impulse is None and not self.power and self.rate == self.frequency == self.start == 0
+        return self.impulse is None and not self.power and self.rate == self.frequency == self.phase == self.start == 0
 
     def scaled(self, factor: sympy.Expr) -> TimeTerm:
         return replace(self, coefficient=self.coefficient * factor)
@@ -157,9 +157,9 @@ def _product(ones: list[TimeTerm], others: list[TimeTerm]) -> list[TimeTerm]:
 
 
 def _times(one: TimeTerm, other: TimeTerm) -> list[TimeTerm]:
-    if one.is_constant and not one.phase:
+    if one.is_constant:
         return [other.scaled(one.coefficient)]
-    if other.is_constant and not other.phase:
+    if other.is_constant:
         return [one.scaled(other.coefficient)]
     if one.impulse is not None or other.impulse is not None:
         raise InputError(
@@ -301,10 +301,10 @@ class ResponseTransform:
             vector = [self._polynomial(entry) for entry in source.numerator]
             for generator, factor in _amplitudes(field, source.amplitude).items():
                 before = group.setdefault(generator, [0 * p for p in vector])
-                group[generator] = [b + p * _constant(p, factor) for b, p in zip(before, vector, strict=True)]
+                group[generator] = [b + p.mul_ground(factor) for b, p in zip(before, vector, strict=True)]
         determinant = A.determinant.set_domain(field)
         adjugate = [[p.set_domain(field) for p in row] for row in A.adjugate]
-        scale = _constant(determinant, field.one / determinant.rep.to_list()[0])
+        zero, scale = 0 * determinant, field.one / determinant.rep.to_list()[0]
         of_det = factors_of(determinant)
         quotients = []
         for (below, power), group in groups.items():
@@ -313,7 +313,7 @@ class ResponseTransform:
                 factors[q] = factors.get(q, 0) + k * power
             numerators = {
                 generator: [
-                    sum((p * e for p, e in zip(row, b, strict=True) if not e.is_zero), scale * 0) * scale for row in adjugate
+                    sum((p * e for p, e in zip(row, b, strict=True) if not e.is_zero), zero).mul_ground(scale) for row in adjugate
                 ]
                 for generator, b in group.items()
             }
@@ -323,23 +323,22 @@ class ResponseTransform:
     @cached_property
     def laurent(self) -> dict[int, list[Combination]]:
         """The coefficients of s^p of X near infinity, p >= -q, one combination for each coordinate."""
-        A, field = self.A, self.field
-        series: dict[int, list[Combination]] = {-1 - i: [{} for _ in range(A.size)] for i in range(A.degree)}
+        size, degree, terms = self.A.size, self.A.degree, []
         for quotient in self.quotients:
-            below = sympy.prod((q**k for q, k in quotient.factors), sympy.Poly(1, A.variable, domain=field))
-            ring = SymbolicRing.of(below)
+            below = sympy.prod((q**k for q, k in quotient.factors), sympy.Poly(1, self.A.variable, domain=self.field))
             for generator, numerators in quotient.numerators.items():
                 for i, numerator in enumerate(numerators):
-                    if numerator.is_zero:
-                        continue
-                    highest = numerator.degree() - below.degree()
-                    powers = range(highest, -A.degree - 1, -1)
-                    for power, c in zip(powers, series_at_infinity(ring, numerator, below, highest), strict=False):
-                        row = series.setdefault(power, [{} for _ in range(A.size)])
-                        row[i][generator] = row[i].get(generator, field.zero) + c
-        for power in range(max(series, default=-1) + 1):
-            series.setdefault(power, [{} for _ in range(A.size)])
-        return {power: [{g: c for g, c in entry.items() if c} for entry in row] for power, row in series.items()}
+                    if not numerator.is_zero:
+                        first = numerator.degree() - below.degree()
+                        terms.append((i, generator, first, series_at_infinity(SymbolicRing.of(below), numerator, below, first)))
+        total: dict[int, list[Combination]] = {}
+        for power in range(max([-1, *(first for _, _, first, _ in terms)]), -degree - 1, -1):
+            row: list[Combination] = [{} for _ in range(size)]
+            for i, generator, first, series in terms:
+                if power <= first:
+                    row[i][generator] = row[i].get(generator, self.field.zero) + next(series)
+            total[power] = [{g: c for g, c in entry.items() if c} for entry in row]
+        return total
 
     def combined(self, combination: Combination) -> sympy.Expr:
         """The sum of amplitudes and their factors."""
@@ -417,10 +416,6 @@ def _amplitudes(field: Domain, expression: sympy.Expr) -> dict[sympy.Expr, objec
     return {generator: factor for generator, factor in factors.items() if factor}
 
 
-def _constant(like: sympy.Poly, value) -> sympy.Poly:
-    return sympy.Poly([value], like.gen, domain=like.domain)
-
-
 # At a root x of a factor q^k a quotient is the sum of c_j(x) / (s - x)^j, j = 1 ... k, and more. The c_j are the same polynomials for
 # all roots of q, with coefficients in K, computed in K[x]/q; no root is.
 
@@ -481,7 +476,7 @@ def time_expression(
     b, a = (b, a * power) if gamma > 0 else (b * power, a)
     common = a.gcd(b)
     b, a = b.quo(common), a.quo(common)
-    impulses, rest = (p * _constant(p, field.one / a.rep.to_list()[0]) for p in b.div(a.monic()))
+    impulses, rest = (p.mul_ground(field.one / a.rep.to_list()[0]) for p in b.div(a.monic()))
     coefficients = reversed(impulses.rep.to_list())
     total = [expression_of(field, c) * delta(t, k) for k, c in enumerate(coefficients) if c]
     expression = sympy.Add(*total, *regular_parts(1, [Quotient({sympy.S.One: [rest]}, factors_of(a))], t))

@@ -209,7 +209,7 @@ def sample(transfer: SpectralTransfer, spectra: SpectralMatrix, times, seed=None
         raise InputError(f"seed: found {seed!r}; expected a whole number of at least 0, or None") from None
     if len(spectra.corners) and np.isinf(spectra.corners[-1]):
         return _markov_path(transfer, spectra, times, generator)
-    work = _Integration(transfer, spectra, (0,), None)
+    work = _Integration(transfer, spectra, 0, None)
     work.others = np.array([pole.frequency for pole in work.poles], dtype=complex)
     panels = work._resolved(work._octaves())
     span = float(np.ptp(times)) if len(times) else 0.0

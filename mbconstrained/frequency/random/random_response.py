@@ -155,47 +155,46 @@ NEXT_TO_ZERO = 1e-2
 class Existence:
     """Reasons why integrals of f^k G(f) are infinite."""
 
-    reasons: np.ndarray  # for each power k and output a sentence, "" where the integral is finite, shape (K, p)
+    reasons: np.ndarray  # for each output a sentence, "" where the integral is finite, shape (p,)
     white_part: np.ndarray  # one-sided intensity per Hz of the white part of each output; infinite where it is rougher, shape (p,)
 
+    @property
+    def finite(self) -> np.ndarray:
+        """The places of the outputs whose integrals are finite."""
+        return np.flatnonzero(self.reasons == "")
 
-def existence(transfer: SpectralTransfer, spectra: SpectralMatrix, powers: tuple[int, ...], units: tuple[str, ...]) -> Existence:
+
+def existence(transfer: SpectralTransfer, spectra: SpectralMatrix, power: int, units: tuple[str, ...]) -> Existence:
     """Existence of the spectral integrals."""
     if isinstance(transfer, DelayedTransfer):
-        return _existence_with_delays(transfer, spectra, powers)
+        return _existence_with_delays(transfer, spectra)
     p = len(transfer.harmonic.outputs)
-    reasons = np.full((len(powers), p), "", dtype=object)
+    reasons = np.full(p, "", dtype=object)
     has_structural_damping = transfer.harmonic.imaginary is not None  # then H holds for f > 0 and has no stable poles below
     for pole in transfer.poles:
         if has_structural_damping and pole.value.imag < 0:
             continue
         for output in np.flatnonzero(pole.residues.any(axis=(0, 2))).tolist():
-            for row, power in enumerate(powers):
-                reasons[row, output] = reasons[row, output] or _at_pole(pole, output, spectra, power)
+            reasons[output] = reasons[output] or _at_pole(pole, output, spectra, power)
     white = np.zeros(p)
     corners = spectra.corners
     if len(corners) and np.isinf(corners[-1]):
         exponents, white = _growth(transfer, spectra, corners[-2] + 1.0)
-        for row, power in enumerate(powers):
-            for output in np.flatnonzero(exponents + power >= -1).tolist():
-                if not reasons[row, output]:
-                    intensity = (
-                        f"; its intensity is {number_text(white[output])} {density_unit(units[output])}"
-                        if np.isfinite(white[output])
-                        else ""
-                    )
-                    reasons[row, output] = (
-                        f"white noise reaches it directly{intensity}"
-                        if exponents[output] == 0 and not power
-                        else f"its spectrum{' times f^' + str(power) if power else ''} falls no faster than f^{exponents[output] + power:g}"
-                    )
+        for output in np.flatnonzero((exponents + power >= -1) & (reasons == "")).tolist():
+            known = np.isfinite(white[output])
+            intensity = f"; its intensity is {number_text(white[output])} {density_unit(units[output])}" if known else ""
+            reasons[output] = (
+                f"white noise reaches it directly{intensity}"
+                if exponents[output] == 0 and not power
+                else f"its spectrum{' times f^' + str(power) if power else ''} falls no faster than f^{exponents[output] + power:g}"
+            )
     return Existence(reasons, white)
 
 
-def _existence_with_delays(transfer: DelayedTransfer, spectra: SpectralMatrix, powers: tuple[int, ...]) -> Existence:
+def _existence_with_delays(transfer: DelayedTransfer, spectra: SpectralMatrix) -> Existence:
     """Existence by the characteristic roots: residues, which decide on what reaches an output, are unknown."""
     p, roots = len(transfer.harmonic.outputs), transfer.roots
-    reasons = np.full((len(powers), p), "", dtype=object)
+    reasons = np.full(p, "", dtype=object)
     for pole in transfer.poles:
         f0 = abs(pole.value.imag) / (2 * np.pi)
         if pole.on_axis and len(spectra.corners) and spectra.corners[0] <= f0 <= spectra.corners[-1]:
@@ -390,15 +389,15 @@ class RandomResponse(Pictured):
 
     def _exists(self, power: int) -> Existence:
         if power not in self._existence:
-            self._existence[power] = existence(*self._independent, (power,), self.units)
+            self._existence[power] = existence(*self._independent, power, self.units)
         return self._existence[power]
 
     def _integral(self, power: int) -> tuple[np.ndarray, SpectralIntegral]:
         """The outputs whose integral exists, and their integrals."""
         power = whole_number(power, "order")
         if power not in self._integrals:
-            finite = np.flatnonzero([not reason for reason in self._exists(power).reasons[0]])
-            integral = self._without_noise(spectral_integral(*self._independent, (power,), finite), finite)
+            finite = self._exists(power).finite
+            integral = self._without_noise(spectral_integral(*self._independent, power, finite), finite)
             self._integrals[power] = finite, self._proved(integral, finite, power)
         return self._integrals[power]
 
@@ -409,8 +408,8 @@ class RandomResponse(Pictured):
         """
         if self.harmonic.delayed:
             return integral
-        values, size = integral.values[0].diagonal().real, len(self.harmonic.form.pairs.finite.J) ** 2 * len(self.inputs)
-        doubtful = (integral.errors[0] > PROVED_ACCURACY * np.abs(values)).any()
+        values, size = integral.values.diagonal().real, len(self.harmonic.form.pairs.finite.J) ** 2 * len(self.inputs)
+        doubtful = (integral.errors > PROVED_ACCURACY * np.abs(values)).any()
         if size > (MOST_PROVED if doubtful else ALWAYS_PROVED) or power % 2 or self.harmonic.imaginary is not None:
             return integral
         from .variance_enclosure import enclosed_variances
@@ -422,13 +421,13 @@ class RandomResponse(Pictured):
         except InputError:  # delayed or partly coherent noise
             return integral
         proved, own = box.middle * (2 * np.pi) ** -power, integral.values.copy()
-        own[0][np.diag_indices(len(proved))] = proved
-        return replace(integral, values=own, errors=(4 * EPS * np.abs(proved))[None])
+        np.fill_diagonal(own, proved)
+        return replace(integral, values=own, errors=4 * EPS * np.abs(proved))
 
     def _without_noise(self, integral: SpectralIntegral, finite: np.ndarray) -> SpectralIntegral:
         """Zero for outputs that no input excites, where the integral is rounding error; other outputs without digits are kept."""
         transfer = self._independent[0]
-        is_small = integral.values[0].diagonal().real <= integral.errors[0]
+        is_small = integral.values.diagonal().real <= integral.errors
         is_noise, is_lost = (is_small & which[finite] for which in (transfer.vanishes, transfer.seems_zero & ~transfer.vanishes))
         values = np.where(is_noise[:, None] | is_noise, 0.0, integral.values)
         return replace(integral, values=values, errors=np.where(is_noise, 0.0, np.where(is_lost, np.inf, integral.errors)))
@@ -436,7 +435,7 @@ class RandomResponse(Pictured):
     @property
     def infinite(self) -> dict[str, str]:
         """The outputs of infinite variance by name, each with its reason."""
-        return {name: reason for name, reason in zip(self.outputs, self._exists(0).reasons[0]) if reason}
+        return {name: reason for name, reason in zip(self.outputs, self._exists(0).reasons) if reason}
 
     @property
     def white_part(self) -> np.ndarray:
@@ -448,7 +447,7 @@ class RandomResponse(Pictured):
         """E[y y^T], shape (p, p); infinite in rows and columns of outputs of infinite variance."""
         finite, integral = self._integral(0)
         result = np.full((len(self.outputs),) * 2, np.inf)
-        result[np.ix_(finite, finite)] = integral.values[0].real
+        result[np.ix_(finite, finite)] = integral.values.real
         return named_array(result, self.outputs, self.outputs)
 
     @property
@@ -468,9 +467,9 @@ class RandomResponse(Pictured):
             order: 0, 1, 2, ...
         """
         finite, integral = self._integral(order)
-        result, values = np.zeros(len(self.outputs)), integral.values[0].diagonal().real
-        lost = np.where(integral.errors[0] == np.inf, np.inf, 0.0)
-        result[finite] = np.where(values > 0, integral.errors[0] / np.where(values > 0, values, 1.0), lost)
+        result, values = np.zeros(len(self.outputs)), integral.values.diagonal().real
+        lost = np.where(integral.errors == np.inf, np.inf, 0.0)
+        result[finite] = np.where(values > 0, integral.errors / np.where(values > 0, values, 1.0), lost)
         return named_array(result, self.outputs)
 
     def moment(self, order: int) -> np.ndarray:
@@ -484,7 +483,7 @@ class RandomResponse(Pictured):
         """
         finite, integral = self._integral(order)
         result = np.full(len(self.outputs), np.inf)
-        result[finite] = integral.values[0].diagonal().real
+        result[finite] = integral.values.diagonal().real
         return named_array(result, self.outputs)
 
     def rms_in_bands(self, edges_hz) -> np.ndarray:
@@ -510,18 +509,16 @@ class RandomResponse(Pictured):
         squares = np.full((len(self.outputs), len(edges) - 1), np.inf)
         whole = self._finite_within(edges[0], edges[-1])
         part = spectra.within(edges[0], edges[-1])
-        squares[whole] = spectral_integral(transfer, part, (0,), whole, edges).parts[:, 0].T
+        squares[whole] = spectral_integral(transfer, part, 0, whole, edges).parts.T
         for band, (low, high) in enumerate(itertools.pairwise(edges) if len(whole) < len(squares) else ()):
             own = np.setdiff1d(self._finite_within(low, high), whole)
-            squares[own, band] = spectral_integral(transfer, spectra.within(low, high), (0,), own).values[0].diagonal().real
+            squares[own, band] = spectral_integral(transfer, spectra.within(low, high), 0, own).values.diagonal().real
         return named_array(np.sqrt(np.maximum(squares, 0.0)), self.outputs)
 
     def _finite_within(self, low: float, high: float) -> np.ndarray:
         """The indices of the outputs whose variance is finite between two frequencies."""
         transfer, spectra = self._independent
-        return np.flatnonzero(
-            [not reason for reason in existence(transfer, spectra.within(low, high), (0,), self.units).reasons[0]]
-        )
+        return existence(transfer, spectra.within(low, high), 0, self.units).finite
 
     def cumulative_rms(self, frequencies_hz) -> np.ndarray:
         """Return RMS values of the outputs below frequencies, shape (p, F); infinite where the variance up to there is infinite.

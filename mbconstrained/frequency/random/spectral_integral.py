@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -292,9 +291,9 @@ TAIL_NODES, TAIL_WEIGHTS = np.polynomial.laguerre.laggauss(32)
 class SpectralIntegral:
     """Integrals of f^k G(f) df over f > 0, G the one-sided spectra of p outputs."""
 
-    values: np.ndarray  # complex, Hermitian, shape (K, p, p), for each power
-    errors: np.ndarray  # estimates of the absolute errors of the diagonals, shape (K, p)
-    parts: np.ndarray  # of the diagonals, from each edge to the next, shape (number of edges - 1, K, p)
+    values: np.ndarray  # complex, Hermitian, shape (p, p)
+    errors: np.ndarray  # estimates of the absolute errors of the diagonal, shape (p,)
+    parts: np.ndarray  # of the diagonal, from each edge to the next, shape (number of edges - 1, p)
 
 
 @dataclass
@@ -337,24 +336,24 @@ class _IntegrationPanels:
 def spectral_integral(
     transfer: SpectralTransfer,
     spectra: SpectralMatrix,
-    powers: Sequence[int] = (0,),
+    power: int = 0,
     outputs: np.ndarray | None = None,
     edges: np.ndarray | None = None,
 ) -> SpectralIntegral:
     """The integrals of f^k H S H^H df; with delays on all panels and on their halves, whose difference is an error."""
     if isinstance(transfer, DelayedTransfer) and not transfer.is_finer:
         finer = DelayedTransfer(transfer.harmonic, transfer.roots, is_finer=True)
-        one, two = (_integral(own, spectra, powers, outputs, edges) for own in (transfer, finer))
-        return replace(two, errors=two.errors + np.abs(two.values - one.values).diagonal(axis1=1, axis2=2))
-    return _integral(transfer, spectra, powers, outputs, edges)
+        one, two = (_integral(own, spectra, power, outputs, edges) for own in (transfer, finer))
+        return replace(two, errors=two.errors + np.abs(two.values - one.values).diagonal())
+    return _integral(transfer, spectra, power, outputs, edges)
 
 
-def _integral(transfer: SpectralTransfer, spectra: SpectralMatrix, powers, outputs, edges) -> SpectralIntegral:
+def _integral(transfer: SpectralTransfer, spectra: SpectralMatrix, power, outputs, edges) -> SpectralIntegral:
     parts = [(transfer, spectra)]
     if any(pole.on_axis for pole in transfer.poles):  # of inputs that do not reach it, it is none
         parts = [(transfer.of_inputs(group), spectra.of_inputs(group)) for group in spectra.groups]
     with np.errstate(over="ignore", invalid="ignore"):
-        each = [_Integration(*part, tuple(powers), outputs, edges).result() for part in parts]
+        each = [_Integration(*part, power, outputs, edges).result() for part in parts]
         result = SpectralIntegral(*(np.sum([getattr(one, name) for one in each], axis=0) for name in ("values", "errors", "parts")))
     if not np.isfinite(result.values).all():
         raise Overflow(
@@ -394,8 +393,8 @@ def _residue_errors(poles: list[RefinedPole], sizes: np.ndarray) -> np.ndarray:
 class _Integration:
     """State of one integration."""
 
-    def __init__(self, transfer: SpectralTransfer, spectra: SpectralMatrix, powers: tuple[int, ...], outputs, edges=None):
-        self.transfer, self.spectra, self.powers = transfer, spectra, powers
+    def __init__(self, transfer: SpectralTransfer, spectra: SpectralMatrix, power: int, outputs, edges=None):
+        self.transfer, self.spectra, self.power = transfer, spectra, power
         self.edges = np.zeros(0) if edges is None else edges
         self.outputs = np.arange(len(transfer.harmonic.outputs)) if outputs is None else outputs
         self.poles = [pole for pole in transfer.poles if pole.residues[:, self.outputs].any()]
@@ -410,21 +409,20 @@ class _Integration:
 
     def result(self) -> SpectralIntegral:
         """The integrals."""
-        p, K = len(self.outputs), len(self.powers)
         panels = self._resolved(self._octaves())
         H, errors = self._values(panels)
         sums, near, loss, doubts = self._sums(panels, H), *self._near_poles(panels)
         for _ in range(HALVINGS):
-            size = np.abs((sums + near).sum(axis=0).diagonal(axis1=1, axis2=2)).real
-            bad = (loss > 0.1 * SPECTRAL_ACCURACY * size).any(axis=(1, 2)) & (panels.upper - panels.lower > 8 * EPS * panels.upper)
+            size = np.abs((sums + near).sum(axis=0).diagonal())
+            bad = (loss > 0.1 * SPECTRAL_ACCURACY * size).any(axis=1) & (panels.upper - panels.lower > 8 * EPS * panels.upper)
             if not bad.any():
                 break
             halves = self._resolved(panels.halves(bad))
             panels, *parts = self._with(halves, bad, panels, H, errors, sums, near, loss, doubts)
             H, errors, sums, near, loss, doubts = parts
-        if p and K:
+        if len(self.outputs):
             return self._improved(panels, H, errors, sums, near, loss, doubts)
-        return SpectralIntegral(np.zeros((K, p, p)), np.zeros((K, p)), np.zeros((max(len(self.edges) - 1, 0), K, p)))
+        return SpectralIntegral(np.zeros((0, 0)), np.zeros(0), np.zeros((max(len(self.edges) - 1, 0), 0)))
 
     def _with(self, new: _IntegrationPanels, bad: np.ndarray, panels: _IntegrationPanels, H, errors, *parts) -> tuple:
         """Panels and values with some panels replaced by new ones."""
@@ -531,7 +529,6 @@ class _Integration:
 
     def _delayed_tails(self, panels: _IntegrationPanels, total: np.ndarray) -> None:
         """Add the tails of delayed inputs from the last panel to infinity, along f - i u / (2 pi delay), u > 0 (Gauss-Laguerre)."""
-        power = np.array(self.powers)
         for x in np.flatnonzero(panels.is_tail) if self.spectra.longest_delay else ():
             form, last = self.transfer.harmonic.form, 1 / panels.upper[x]
             for i, j in self.spectra.delayed_pairs:
@@ -539,26 +536,24 @@ class _Integration:
                 f = last + step * TAIL_NODES
                 one, other = (form.values(2j * np.pi * own)[0][self.outputs] for own in (f, f.conj()))
                 S = self.spectra(f, panels.middle[x])[i, j] * np.exp(TAIL_NODES) * step * TAIL_WEIGHTS
-                T = np.einsum("an,bn,kn->kab", one[:, i], other[:, j].conj(), S * f ** power[:, None])
-                total[x] += T + np.conj(np.swapaxes(T, 1, 2))
+                T = (one[:, i] * (S * f**self.power)) @ other[:, j].conj().T
+                total[x] += T + T.conj().T
 
     def _sums(self, panels: _IntegrationPanels, H: np.ndarray, spectra: np.ndarray | None = None) -> np.ndarray:
-        """Gauss's rule on each panel, shape (P, K, p, p)."""
+        """Gauss's rule on each panel, shape (P, p, p)."""
         S = self._spectra_at(panels) if spectra is None else spectra.copy()
         for i, j in self.spectra.delayed_pairs:
             S[i, j, panels.is_tail] = S[j, i, panels.is_tail] = 0.0
         left, right = np.moveaxis(H, (2, 3), (0, 1)), np.moveaxis(H.conj(), (2, 3, 1), (0, 1, 2))
         G = left @ np.moveaxis(S, (2, 3), (0, 1)) @ right
-        weighted = panels.weights[..., None] * panels.nodes[..., None] ** np.array(self.powers)
-        total = np.einsum("xnk,xnab->xkab", weighted, G)
+        total = np.einsum("xn,xnab->xab", panels.weights * panels.nodes**self.power, G)
         self._delayed_tails(panels, total)
         return total
 
     def _near_poles(self, panels: _IntegrationPanels) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Integrals of principal parts less their sums by Gauss's rule, shape (P, K, p, p), and errors of the diagonals."""
-        p, K = len(self.outputs), len(self.powers)
-        total = np.zeros((len(panels.lower), K, p, p), dtype=complex)
-        loss, doubts = np.zeros((2, *total.shape[:3]))
+        """Integrals of principal parts less their sums by Gauss's rule, shape (P, p, p), and errors of the diagonals."""
+        total = np.zeros((len(panels.lower), *(len(self.outputs),) * 2), dtype=complex)
+        loss, doubts = np.zeros((2, *total.shape[:2]))
         x, number = np.nonzero(self._near(panels, self.frequencies))
         if not len(x):
             return total, loss, doubts
@@ -571,18 +566,17 @@ class _Integration:
         angle = np.sign(b) * np.arctan2((upper - lower) * np.abs(b), b**2 + upper * lower)
         starts = np.flatnonzero(np.diff(x, prepend=-1))
         X, Y = 2 * (logarithm - first), 2 * (angle - second)
-        for k, power in enumerate(self.powers):
-            left, (odd, even, other), doubt = self._principal_parts(number, panels.middle[x], power)
-            right = X[:, None, None] * (odd - 1j * other) + Y[:, None, None] * (even + other)
-            for panel, own in zip(x[starts], itertools.pairwise([*starts, len(x)])):
-                total[panel, k] = _product_sum(left[slice(*own)], right[slice(*own)])
-            sizes = zip((_diagonal(left, odd - 1j * other), _diagonal(left, even + other)), ((logarithm, first), (angle, second)))
-            terms = sum(np.abs(one.real) * (np.abs(u) + np.abs(v))[:, None] for one, (u, v) in sizes)
-            loss[x[starts], k] = 2 * EPS * np.add.reduceat(terms, starts)
-            doubts[x[starts], k] = 2 * np.add.reduceat(doubt * np.abs(angle)[:, None], starts)
+        left, (odd, even, other), doubt = self._principal_parts(number, panels.middle[x])
+        right = X[:, None, None] * (odd - 1j * other) + Y[:, None, None] * (even + other)
+        for panel, own in zip(x[starts], itertools.pairwise([*starts, len(x)])):
+            total[panel] = _product_sum(left[slice(*own)], right[slice(*own)])
+        sizes = zip((_diagonal(left, odd - 1j * other), _diagonal(left, even + other)), ((logarithm, first), (angle, second)))
+        terms = sum(np.abs(one.real) * (np.abs(u) + np.abs(v))[:, None] for one, (u, v) in sizes)
+        loss[x[starts]] = 2 * EPS * np.add.reduceat(terms, starts)
+        doubts[x[starts]] = 2 * np.add.reduceat(doubt * np.abs(angle)[:, None], starts)
         return _hermitian(total), loss, doubts
 
-    def _principal_parts(self, number: np.ndarray, middle: np.ndarray, power: int) -> tuple[np.ndarray, tuple, np.ndarray]:
+    def _principal_parts(self, number: np.ndarray, middle: np.ndarray) -> tuple[np.ndarray, tuple, np.ndarray]:
         """Principal parts of poles: r = -i R f^k S(f) (conj R / (2 |sigma|) + rest)^T / (2 pi), with errors, shape (number, p).
 
         Its Hermitian part and that of -i r are those of R (odd - i other) and -R (even + other), R of shape (number, p, m) and these of shape
@@ -594,7 +588,7 @@ class _Integration:
         for piece in np.unique(middle):
             own = middle == piece
             S[own] = np.moveaxis(self.spectra(at[own], piece), 2, 0)
-        S *= (at**power / (2 * np.pi))[:, None, None]
+        S *= (at**self.power / (2 * np.pi))[:, None, None]
         R, rest = self.residues[number], self.mirrored[number]
         conjugate = np.conj(np.swapaxes(R, 1, 2)) / (-2 * self.sigma[number])[:, None, None]
         doubt = np.einsum("xai,xij,xaj->xa", np.abs(R), np.abs(S), self.doubts[number]) / np.abs(self.sigma[number])[:, None]
@@ -603,33 +597,32 @@ class _Integration:
     def _improved(self, panels, H, errors, sums, near, loss, doubts) -> SpectralIntegral:
         """The integral with refined panels, and with values of H by solutions where the errors of their sums matter."""
         for moves in range(MOVES + 1):
-            size = np.abs((sums + near).sum(axis=0).diagonal(axis1=1, axis2=2).real)
+            size = np.abs((sums + near).sum(axis=0).diagonal().real)
             S = self._spectra_at(panels)
             own = self._node_errors(panels, S, H, errors)
-            bad = (own.sum(axis=1) > MOVED * size).any(axis=(1, 2)) & ~panels.is_tail
+            bad = (own.sum(axis=1) > MOVED * size).any(axis=1) & ~panels.is_tail
             if (moves or not bad.any()) and (own.sum(axis=(0, 1)) > SOLVED * size).any():
-                at = (own > 0.1 * SPECTRAL_ACCURACY * size / max(own.shape[0] * own.shape[1], 1)).any(axis=(2, 3))
+                at = (own > 0.1 * SPECTRAL_ACCURACY * size / max(own.shape[0] * own.shape[1], 1)).any(axis=2)
                 solved, solved_errors = self.transfer.solved(panels.nodes[at])
                 better = solved_errors[self.outputs] < errors[:, :, at]
                 H[:, :, at] = np.where(better, solved[self.outputs], H[:, :, at])
                 errors[:, :, at] = np.where(better, solved_errors[self.outputs], errors[:, :, at])
                 sums, own = self._sums(panels, H, S), self._node_errors(panels, S, H, errors)
-                bad &= (own.sum(axis=1) > MOVED * size).any(axis=(1, 2))
+                bad &= (own.sum(axis=1) > MOVED * size).any(axis=1)
             if not bad.any() or moves == MOVES:
                 break
-            new = self._centred(panels.only(bad), own[bad].max(axis=(2, 3)))
+            new = self._centred(panels.only(bad), own[bad].max(axis=2))
             panels, H, errors, sums, near, loss, doubts = self._with(new, bad, panels, H, errors, sums, near, loss, doubts)
         total = sums + near
         middle = np.where(panels.is_tail, np.inf, (panels.lower + panels.upper) / 2)
         parts = np.zeros((max(len(self.edges) - 1, 0), *size.shape))
         band = np.searchsorted(self.edges, middle) - 1
         inside = (band >= 0) & (band < len(parts))
-        np.add.at(parts, band[inside], total[inside].diagonal(axis1=2, axis2=3).real)
+        np.add.at(parts, band[inside], total[inside].diagonal(axis1=1, axis2=2).real)
         return SpectralIntegral(total.sum(axis=0), own.sum(axis=(0, 1)) + (loss + doubts).sum(axis=0) + 16 * EPS * size, parts)
 
     def _node_errors(self, panels: _IntegrationPanels, S: np.ndarray, H: np.ndarray, errors: np.ndarray) -> np.ndarray:
-        """Errors of the diagonal by nodes and powers, shape (P, 16, K, p)."""
+        """Errors of the diagonal by nodes, shape (P, 16, p)."""
         delta = np.einsum("ijxn,ajxn->aixn", np.abs(S), errors)
         both = ((2 * np.abs(H) + errors) * delta).sum(axis=1)
-        powers = panels.nodes[..., None] ** np.array(self.powers)
-        return (panels.weights * both).transpose(1, 2, 0)[:, :, None, :] * powers[..., None]
+        return (panels.weights * both * panels.nodes**self.power).transpose(1, 2, 0)
