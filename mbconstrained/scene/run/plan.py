@@ -84,12 +84,11 @@ def _resident() -> tuple[int | None, int | None]:
             file.write(_SET_BACK)
         return found["VmHWM"], found["VmRSS"]
     except (OSError, ValueError, KeyError):
-        pass
-    try:
-        import resource
-    except ImportError:  # Windows
-        return None, None
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * _UNIT_OF_GROWTH, None
+        try:
+            import resource
+        except ImportError:  # Windows
+            return None, None
+        return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * _UNIT_OF_GROWTH, None
 
 
 #: An alarm that comes during a finalizer, from which nothing can be raised, is lost: it is rung again after so many seconds.
