@@ -178,6 +178,9 @@ class Modes(Presented, Sequence):
     _instead: ClassVar = {
         "damping": "damping_ratios",
         "frequencies": "frequencies_hz",
+        **dict.fromkeys(
+            ("MAC", "mac"), 'the modes of two scenes are compared by mb.read_scene("FILE.toml").mac(other="OTHER.toml")'
+        ),
     }
 
     def __len__(self) -> int:
@@ -473,8 +476,9 @@ def _symmetric_modes(M: np.ndarray, C: np.ndarray, K: np.ndarray) -> tuple[np.nd
         if (real := values.imag == 0).any():
             values, X = np.concatenate([values, -values[real]]), np.hstack([X, X[:, real]])
     moduli = np.abs(values)
-    spread = moduli.max() / moduli.min()
-    return None if not np.isfinite(spread) or is_worthwhile(spread, len(M) * 2) else (values, X)
+    if not (np.isfinite(moduli).all() and moduli.all()) or is_worthwhile(moduli.max() / moduli.min(), len(M) * 2):
+        return None
+    return values, X
 
 
 def _damped_modes(M: np.ndarray, C: np.ndarray, K: np.ndarray) -> tuple[np.ndarray, np.ndarray] | tuple[None, None]:
