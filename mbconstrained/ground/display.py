@@ -228,6 +228,8 @@ _KEPT = re.compile(r"(?<=\d) (?=[^\s\d])|(?<=±) (?=\d)")
 
 
 def _wrapped(text: str, width: int, first: str = "", further: str | None = None) -> list[str]:
+    if len(first) + len(text) <= width and text.isprintable() and text.strip():
+        return [(first + text).rstrip()]
     together = _KEPT.sub("\N{NO-BREAK SPACE}", text)
     wrapper = TextWrapper(width, first, first if further is None else further, break_long_words=False, break_on_hyphens=False)
     lines = wrapper.wrap(together) or [""]

@@ -314,17 +314,6 @@ def count_texts(data) -> int:
     return sum(map(count_texts, data)) if isinstance(data, list) else 0
 
 
-def measured(value) -> float:
-    """A quantity of any kind with its text and dimension, to be checked where its unit is known; a plain number unchanged.
-
-    >>> entry = measured("3 N/mm")
-    >>> entry, entry.text
-    (3000.0, '3 N/mm')
-    """
-    number, kind = any_quantity(value)
-    return Expressed(number, value, None, kind) if isinstance(value, str) else number
-
-
 class OfParameters(str):
     """A text of a scene whose names are all those of parameters: where a quantity is expected, it lacks its "="."""
 

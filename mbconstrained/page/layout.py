@@ -7,15 +7,17 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple, cast, get_args
+from typing import TYPE_CHECKING, Any, NamedTuple, cast, get_args
 
 import numpy as np
 
 from ..ground.tolerances import noise_of
 from ..ground.units import GROUND
 from ..models.elements import DelayedFeedback, Element, Lever, Link, Pulley, Rack, Relation, RigidTie
-from ..models.switching import SwitchingElement
 from .drawing import DrawnBody, DrawnLink, LinkKind, Vector, matrix_of, vector_of
+
+if TYPE_CHECKING:
+    from ..models.switching import SwitchingElement
 
 # The connections of a model as a graph.
 
@@ -54,6 +56,8 @@ _TURNING: dict[str, LinkKind] = {
 
 def joints_of(model: Iterable[Any], turning: Collection[str] = ()) -> list[DrawnJoint]:
     """The elements that connect two bodies along or about one axis, some turning; a relation x_b - x_a = value counts as a rod."""
+    from ..models.switching import SwitchingElement  # with guards and transitions, which other drawings need not have
+
     joints = []
     for element in model:
         if isinstance(element, SwitchingElement):

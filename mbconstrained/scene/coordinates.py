@@ -14,7 +14,6 @@ from ..ground.errors import InputError, named, shown
 from ..ground.quantities import dimension, meant, quantity, unit_name
 from ..ground.tolerances import noise_of
 from ..ground.units import DERIVATIVES, rate_unit, unit_in_si
-from ..models.elements import row_in_si
 from .file import EntryError, at
 
 FORCE_UNITS = {"m": "N", "rad": "N*m", "C": "V", "A": "V", "V": "A"}
@@ -251,6 +250,8 @@ def given_values(row: dict | list, coordinates: Coordinates, order: int) -> dict
 
 def constraint_row(table, coordinates: Coordinates) -> tuple[dict, Any, str | None]:
     """The factors and the right-hand side of a constraint row of a table in SI."""
+    from ..models.elements import row_in_si  # with all elements, which scenes without rows need not have
+
     for name in table.coefficients:
         coordinates.number(name)
     return row_in_si(table.coefficients, table.value, table.level, dict(zip(coordinates.names, coordinates.units)))

@@ -228,12 +228,12 @@ def _mechanical(
     loads = loads_of(table.force, coordinates, folder, file_name, linearized, shapers) if table.force else ()
     if rotor is not None and rotor.unbalance is not None:
         loads += unbalance_loads(rotor.unbalance, table.model.speed or 0.0, coordinates)
-    switching = None
+    force, switching = force_of(loads) if loads else None, None
     if machine is not None:
         refuse_with_switches(table, (*of_motions.values(), *shapers.values()), file_name)
         with at(file_name, "model"):
             switched = machine([one for one, _ in moved])
-        switching = switching_of(table, switched, initial, force_of(loads), file_name)
+        switching = switching_of(table, switched, initial, force, file_name)
         system = phase_system(switching)
         rotor = None if rotor is None else machine([one for _, one in moved]).phase(*switching.phase)
     with at(file_name, "model"):
@@ -243,7 +243,7 @@ def _mechanical(
         for one in (system, rotor):
             if one is not None:
                 one.load_patterns = patterns
-    problem = coordinates, polynomial_matrix, initial, force_of(loads), system
+    problem = coordinates, polynomial_matrix, initial, force, system
     ends = shaped(table.motion, of_motions, table.force, shapers) if of_motions or shapers else ()
     if robot is None:
         return Equations(*problem, model, loads=loads, rotor=rotor, ends=ends, switching=switching)
@@ -316,7 +316,8 @@ def _coefficients(table, folder: SceneFolder, file_name: str) -> Equations:
     named = model.equations is None and rows == columns
     places = coordinates if named else Coordinates(A.equations, ("1",) * rows)
     loads = loads_of(table.force, places, folder, file_name, shapers=shapers)
-    equations = Equations(coordinates, A, initial, force_of(loads), loads=loads, ends=shaped_inputs(table.force, file_name))
+    force = force_of(loads) if loads else None
+    equations = Equations(coordinates, A, initial, force, loads=loads, ends=shaped_inputs(table.force, file_name))
     if A.is_square and not table.motion and A.is_regular:
         return equations
     return _with_free_coordinates(table, equations, folder, file_name)

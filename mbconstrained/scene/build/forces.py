@@ -150,9 +150,9 @@ def _motion_signal(table, unit: str, folder: SceneFolder, shaper: InputShaper | 
         raise InputError(f"{problem}{''.join(fitting)}") from None
 
 
-def force_of(loads: Sequence[SceneForce]) -> signals.ImpulsiveSmooth | None:
-    """The sum of the generalized forces of loads; None without any."""
-    return reduce(add, (load.signal.mapped(load.direction[:, None]) for load in loads)) if loads else None
+def force_of(loads: Sequence[SceneForce]) -> signals.ImpulsiveSmooth:
+    """The sum of the generalized forces of loads."""
+    return reduce(add, (load.signal.mapped(load.direction[:, None]) for load in loads))
 
 
 def input_of(tables: Sequence, inputs: Coordinates, folder: SceneFolder, file_name: str) -> signals.ImpulsiveSmooth | None:

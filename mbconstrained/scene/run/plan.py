@@ -56,49 +56,39 @@ class Costs:
 
     def __init__(self):
         self.by_name: dict[str, Cost] = {}
-        self._begin()
+        highest, now = _resident()
+        self._memory, self._started = highest if now is None else now, time.perf_counter()
 
     def lap(self, name: str) -> Cost:
         """Add the time since the previous lap to a name; return the cost of this lap."""
-        seconds, (peak, _) = time.perf_counter() - self._started, _resident()
+        seconds, (peak, now) = time.perf_counter() - self._started, _resident()
         cost = Cost(seconds, None if self._memory is None or peak is None else max(peak - self._memory, 0), peak)
         self.by_name[name] = self.by_name[name] + cost if name in self.by_name else cost
-        self._begin()
+        self._memory, self._started = peak if now is None else now, time.perf_counter()
         return cost
-
-    def _begin(self) -> None:
-        highest, now = _resident(is_set_back=True)
-        self._memory = highest if now is None else now
-        self._started = time.perf_counter()
 
 
 def memory_note() -> str:
     """Description of the measurement of memory on this system."""
-    highest, now = _resident(is_set_back=True)
+    highest, now = _resident()
     return OWN_PEAK if now is not None else NOT_MEASURED if highest is None else GROWTH
 
 
-def _resident(*, is_set_back: bool = False) -> tuple[int | None, int | None]:
-    """The highest resident memory since it was last set back to the present one, or else since the start of the process, and the present
-    one where it is set back before, in bytes; None where that is not possible."""
-    try:
-        if is_set_back:
-            with open(_CLEAR, "w", encoding="ascii") as file:
-                file.write(_SET_BACK)
-    except OSError:
-        is_set_back = False
+def _resident() -> tuple[int | None, int | None]:
+    """The highest resident memory since the last call, or else since the start of the process, and the present one, to which the highest
+    is set back, in bytes; None where that is not possible."""
     try:
         with open(_STATUS, encoding="utf-8") as file:
             found = {key: 1024 * int(kilobytes) for key, kilobytes in _RESIDENT.findall(file.read())}
-    except (OSError, ValueError):
-        found = {}
-    if "VmHWM" not in found:
+        with open(_CLEAR, "w", encoding="ascii") as file:
+            file.write(_SET_BACK)
+        return found["VmHWM"], found["VmRSS"]
+    except (OSError, ValueError, KeyError):
         try:
             import resource
         except ImportError:  # Windows
             return None, None
-        found["VmHWM"] = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * _UNIT_OF_GROWTH
-    return found["VmHWM"], found.get("VmRSS") if is_set_back else None
+        return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * _UNIT_OF_GROWTH, None
 
 
 #: An alarm that comes during a finalizer, from which nothing can be raised, is lost: it is rung again after so many seconds.
@@ -201,7 +191,7 @@ class Plan:
 
     def with_costs(self, costs: Mapping[str, Cost]) -> Plan:
         """The plan with the costs of stages by name."""
-        return Plan(tuple(replace(stage, cost=costs.get(stage.name, stage.cost)) for stage in self.stages))
+        return Plan(tuple(replace(stage, cost=costs[stage.name]) if stage.name in costs else stage for stage in self.stages))
 
     def to_list(self) -> list[dict]:
         return [

@@ -253,8 +253,7 @@ def frequency_files(scene: SceneData) -> Decision:
 
 
 def written(scene: SceneData, kind: str) -> Decision:
-    requested = getattr(scene.table.output, kind)
-    return requested, f"{scene.name}.{'html' if kind == 'page' else kind}" if requested else f"{kind} = false"
+    return True, f"{scene.name}.{kind}"
 
 
 def too_large_to_certify(equations: Equations) -> str:
@@ -293,9 +292,6 @@ class PossibleStage:
     work: Callable[[Any], object] | None = None  # does it; None where reading the scene, or another stage, does it
     writes: bool = False  # whether only files need it
     part_of: str = ""  # the stage that does it, where it is not measured itself
-    entry: str = ""  # the entry of the scene that requests it, without which it need not be decided
-    unless: str = ""  # the reason for omitting it where this entry is left out
-    plot: str = ""  # the plot that alone requests it
 
 
 FILE_STEPS = (PossibleStage("read the scene", (True, "checked against the schema")), PossibleStage("units", units))
@@ -352,67 +348,24 @@ STEPS = (
     PossibleStage("response", response, attrgetter("motion")),
     PossibleStage("displacements", (True, "the answer itself"), methodcaller("curves", "displacement")),
     PossibleStage("velocities", velocities, methodcaller("curves", "velocity")),
-    PossibleStage(
-        "accelerations", (True, "acceleration is among the plots"), methodcaller("curves", "acceleration"), plot="acceleration"
-    ),
+    PossibleStage("accelerations", (True, "acceleration is among the plots"), methodcaller("curves", "acceleration")),
     PossibleStage("reactions", reactions, methodcaller("curves", "reaction")),
-    PossibleStage("energy", (True, "energy is among the plots"), methodcaller("curves", "energy"), plot="energy"),
-    PossibleStage(
-        "element quantities",
-        element_quantities,
-        methodcaller("curves", "quantity"),
-        entry="output.quantity",
-        unless="no [[output.quantity]]",
-    ),
+    PossibleStage("energy", (True, "energy is among the plots"), methodcaller("curves", "energy")),
+    PossibleStage("element quantities", element_quantities, methodcaller("curves", "quantity")),
     PossibleStage("modes", modes, attrgetter("modes")),
     PossibleStage("error estimate", (True, "an answer carries its evidence"), attrgetter("error_estimates")),
     PossibleStage("proof", proof, part_of="error estimate"),
-    PossibleStage(
-        "certificate (python-flint)",
-        certificate,
-        attrgetter("certificate"),
-        entry="output.certify",
-        unless="not requested (--certify, or certify = true in [output])",
-    ),
-    PossibleStage(
-        "symbols (sympy)", symbols, attrgetter("formula"), writes=True, entry="output.formula", unless="no formula is requested"
-    ),
-    PossibleStage(
-        "frequency response",
-        frequency,
-        attrgetter("frequency.response"),
-        entry="frequency",
-        unless="not requested (a table [frequency], or the command frequency)",
-    ),
-    PossibleStage(
-        "frequency page and files",
-        frequency_files,
-        methodcaller("write_frequency"),
-        writes=True,
-        entry="frequency",
-        unless="no frequency response",
-    ),
+    PossibleStage("certificate (python-flint)", certificate, attrgetter("certificate")),
+    PossibleStage("symbols (sympy)", symbols, attrgetter("formula"), writes=True),
+    PossibleStage("frequency response", frequency, attrgetter("frequency.response")),
+    PossibleStage("frequency page and files", frequency_files, methodcaller("write_frequency"), writes=True),
     PossibleStage("animation", animation, attrgetter("animation"), writes=True),
     PossibleStage("CSV", partial(written, kind="csv"), methodcaller("write_csv"), writes=True),
     PossibleStage("npz", partial(written, kind="npz"), methodcaller("write_npz"), writes=True),
-    PossibleStage(
-        "other formats",
-        formats,
-        methodcaller("write_formats"),
-        writes=True,
-        entry="output.formats",
-        unless='not requested (formats in [output], e.g. ["mat", "uff"])',
-    ),
-    PossibleStage(
-        "plots as images (matplotlib)",
-        plot_images,
-        methodcaller("write_plots"),
-        writes=True,
-        entry="output.plot_images",
-        unless="not requested (--plots, or plot_images = true in [output])",
-    ),
+    PossibleStage("other formats", formats, methodcaller("write_formats"), writes=True),
+    PossibleStage("plots as images (matplotlib)", plot_images, methodcaller("write_plots"), writes=True),
     PossibleStage("still picture (Chromium)", still, methodcaller("try_still"), writes=True),
-    PossibleStage(PAGE, partial(written, kind="page"), methodcaller("write_page"), writes=True),  # after the stages that it lists
+    PossibleStage(PAGE, partial(written, kind="html"), methodcaller("write_page"), writes=True),  # after the stages that it lists
 )
 
 
@@ -425,6 +378,22 @@ DISCRETE_STEPS = (
     PossibleStage("animation", animation, writes=True, part_of=PAGE),
     *(step for step in STEPS if step.name in ("CSV", "npz", "plots as images (matplotlib)", PAGE)),
 )
+
+
+#: The entry of a scene that requests a stage, by its name, and the reason for omitting it where the entry is left out.
+REQUESTS = {
+    "element quantities": ("output.quantity", "no [[output.quantity]]"),
+    "certificate (python-flint)": ("output.certify", "not requested (--certify, or certify = true in [output])"),
+    "symbols (sympy)": ("output.formula", "no formula is requested"),
+    "frequency response": ("frequency", "not requested (a table [frequency], or the command frequency)"),
+    "frequency page and files": ("frequency", "no frequency response"),
+    "other formats": ("output.formats", 'not requested (formats in [output], e.g. ["mat", "uff"])'),
+    **{name: (f"output.{kind}", f"{kind} = false") for name, kind in (("CSV", "csv"), ("npz", "npz"), (PAGE, "page"))},
+    "plots as images (matplotlib)": ("output.plot_images", "not requested (--plots, or plot_images = true in [output])"),
+}
+
+#: Plots that alone request a stage.
+PLOTS = {"accelerations": "acceleration", "energy": "energy"}
 
 
 def steps_of(scene: SceneData) -> tuple[PossibleStage, ...]:
@@ -449,10 +418,11 @@ def plan_of(scene: SceneData, *, writing: bool = True) -> Plan:
         if step.writes and not writing:
             stages.append(Stage(step.name, False, "no folder to write to was given"))
             continue
-        decision = step.decide
-        if step.entry and not attrgetter(step.entry)(scene.table):
-            decision = False, step.unless
-        elif step.plot and step.plot not in scene.table.output.plots:
-            decision = False, f"{step.plot} is not among the plots"
+        decision, plot = step.decide, PLOTS.get(step.name)
+        entry, unless = REQUESTS.get(step.name, ("", ""))
+        if entry and not attrgetter(entry)(scene.table):
+            decision = False, unless
+        elif plot and plot not in scene.table.output.plots:
+            decision = False, f"{plot} is not among the plots"
         stages.append(Stage(step.name, *(decision if isinstance(decision, tuple) else decision(scene)), part_of=step.part_of))
     return Plan(tuple(stages)).with_costs(scene.costs)

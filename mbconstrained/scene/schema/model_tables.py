@@ -8,7 +8,7 @@ import numpy as np
 from pydantic import BeforeValidator, Field, GetPydanticSchema
 
 from ...ground.errors import InputError, shown
-from ...ground.quantities import measured
+from ...ground.quantities import Expressed, any_quantity
 from .entry_types import (
     LINEAR_PHASE,
     MOST_POWER,
@@ -118,7 +118,9 @@ def _matrix(value) -> MatrixFile | np.ndarray:
         raise InputError(f"found rows of {counts} numbers; expected rows of equal length")
     matrix = np.empty((len(value), len(value[0])), dtype=object)
     for place in np.ndindex(matrix.shape):
-        matrix[place] = measured(value[place[0]][place[1]])
+        entry = value[place[0]][place[1]]
+        number, kind = any_quantity(entry)
+        matrix[place] = Expressed(number, entry, None, kind) if isinstance(entry, str) else number
     return matrix
 
 

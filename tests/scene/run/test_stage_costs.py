@@ -23,9 +23,7 @@ from mbconstrained.scene.run.plan import (
 SIZE = 64_000_000
 SLACK = SIZE // 8  # pages that come and go beside what is measured
 
-resets = pytest.mark.skipif(
-    stage_costs._resident(is_set_back=True)[1] is None, reason="the highest resident memory cannot be set back here"
-)
+resets = pytest.mark.skipif(stage_costs._resident()[1] is None, reason="the highest resident memory cannot be set back here")
 
 
 def touch() -> None:
