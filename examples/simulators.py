@@ -19,7 +19,7 @@ from time import perf_counter
 
 import numpy as np
 
-from mbconstrained.control.matrix_fraction import scalar_matrix
+from mbconstrained.control.rational import scalar_matrix
 from mbconstrained.control.transfer_function import transfer_function_response
 from mbconstrained.ground.errors import InputError
 

@@ -12,12 +12,12 @@ if TYPE_CHECKING:
     from .analyses.sweep.optimisation import Optimum as Optimum
     from .analyses.sweep.sweep import Sweep as Sweep
     from .analyses.sweep.sweep import SweepResult as SweepResult
-    from .control.discrete_state_space import DiscreteFrequencyResponse as DiscreteFrequencyResponse
-    from .control.discrete_state_space import DiscreteStateSpace as DiscreteStateSpace
-    from .control.discrete_state_space import DiscreteStateSpaceResponse as DiscreteStateSpaceResponse
-    from .control.discrete_transfer import DiscreteTransferResponse as DiscreteTransferResponse
-    from .control.discrete_transfer import discrete_transfer_function_response as discrete_transfer_function_response
-    from .control.matrix_fraction import matrix_fraction_response as matrix_fraction_response
+    from .control.discrete_time import DiscreteFrequencyResponse as DiscreteFrequencyResponse
+    from .control.discrete_time import DiscreteStateSpace as DiscreteStateSpace
+    from .control.discrete_time import DiscreteStateSpaceResponse as DiscreteStateSpaceResponse
+    from .control.discrete_time import DiscreteTransferResponse as DiscreteTransferResponse
+    from .control.discrete_time import discrete_transfer_function_response as discrete_transfer_function_response
+    from .control.rational import matrix_fraction_response as matrix_fraction_response
     from .control.state_space import StateSpace as StateSpace
     from .control.state_space import StateSpaceResponse as StateSpaceResponse
     from .control.transfer_function import TransferFunctionResponse as TransferFunctionResponse
@@ -153,9 +153,11 @@ _NAMES = {
     "analyses.python_models": "show",
     "analyses.sweep.optimisation": "Optimum",
     "analyses.sweep.sweep": "Sweep SweepResult",
-    "control.discrete_state_space": "DiscreteFrequencyResponse DiscreteStateSpace DiscreteStateSpaceResponse",
-    "control.discrete_transfer": "DiscreteTransferResponse discrete_transfer_function_response",
-    "control.matrix_fraction": "matrix_fraction_response",
+    "control.discrete_time": (
+        "DiscreteFrequencyResponse DiscreteStateSpace DiscreteStateSpaceResponse DiscreteTransferResponse "
+        "discrete_transfer_function_response"
+    ),
+    "control.rational": "matrix_fraction_response",
     "control.state_space": "StateSpace StateSpaceResponse",
     "control.transfer_function": "TransferFunctionResponse transfer_function_response",
     "exact.enclosure.exact_response": "ExactResponse",

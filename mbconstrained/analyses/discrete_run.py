@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..control.discrete_state_space import DiscreteStateSpaceResponse
+from ..control.discrete_time import DiscreteStateSpaceResponse
 from ..control.state_space import StateSpace
 from ..exchange.trajectories import csv_of
 from ..ground.checks import counted, listed

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..control.matrix_fraction import scalar_matrix
+from ..control.rational import scalar_matrix
 from ..mechanics.system import MechanicalSystem
 from ..polynomial.polynomial_matrix import PolynomialMatrix
 from ..response.response import Response
@@ -18,6 +18,8 @@ from ..signals.impulsive import ImpulsiveSmooth
 
 if TYPE_CHECKING:
     from ..exact.enclosure.intervals import Enclosure
+    from ..mechanics.switched.switched_motion import SwitchedMotion
+    from ..mechanics.switched.switched_system import SwitchedSystem
     from ..scene.run.scene import Scene
 
 
@@ -49,6 +51,18 @@ class StudyProblem:
         return replace(self, times=np.asarray(times, dtype=float))
 
 
+@dataclass(frozen=True, eq=False)
+class SwitchedProblem(StudyProblem):
+    """The problem of a switched system; the polynomial matrix and the system are those of its first phase."""
+
+    machine: SwitchedSystem = None
+    penetration: bool = False
+
+    def solve(self) -> SwitchedMotion:
+        x, v = self.initial
+        return self.machine.solve(x, v, self.applied, end=float(self.times[-1]), penetration=self.penetration)
+
+
 def mechanical_problem(title: str, system: MechanicalSystem, times, displacement=None, velocity=None, force=None) -> StudyProblem:
     motion_start = [
         np.zeros(system.size) if value is None else np.asarray(value, dtype=float) for value in (displacement, velocity)
@@ -66,17 +80,15 @@ def problem_of(scene: Scene) -> StudyProblem:
     >>> problem.title, problem.polynomial_matrix.size, len(problem.times)
     ('Two masses with a redundant coordinate', 3, 1001)
     """
-    equations = scene.equations
-    return StudyProblem(
-        title=scene.heading,
-        polynomial_matrix=equations.polynomial_matrix,
-        initial=equations.initial,
-        force=equations.right_hand_side,
-        times=scene.times,
-        system=equations.system,
-        applied=equations.force,
-        respond=_transfer_response(equations.control),
-    )
+    equations, switching = scene.equations, scene.equations.switching
+    common: dict = {"title": scene.heading, "initial": equations.initial, "force": equations.right_hand_side}
+    common |= {"times": scene.times, "applied": equations.force}
+    if switching is not None:
+        first = switching.begin.solution.sequence.segments[-1].phase.system
+        common |= {"system": first, "machine": switching.machine, "penetration": switching.penetration}
+        return SwitchedProblem(polynomial_matrix=first.undelayed_form().polynomial_matrix, **common)
+    respond = _transfer_response(equations.control)
+    return StudyProblem(polynomial_matrix=equations.polynomial_matrix, system=equations.system, respond=respond, **common)
 
 
 def _transfer_response(control) -> Callable[[], Response] | None:

@@ -274,7 +274,7 @@ def _is_given(value) -> bool:
 
 def _value(given, flag: str, kind):
     """The value of an option as it could stand in the scene; NAME=VALUE of each option of a table, each name once."""
-    from ..scene.quantities.settings import value_of
+    from ..scene.file import value_of
 
     if kind is tuple:
         return [name for text in given for name in several_values(f"={text}")]

@@ -139,7 +139,7 @@ def setting(text: str, option: str = "--set") -> tuple[str, Any]:
     >>> setting("k=3 N/mm")
     ('k', '3 N/mm')
     """
-    from ..scene.quantities.settings import value_of
+    from ..scene.file import value_of
 
     name, equals, value = (part.strip() for part in text.partition("="))
     if not (name and equals and value):

@@ -193,7 +193,7 @@ def _moment(still: str) -> float | None:
     from ..ground.errors import InputError
     from ..ground.quantities import quantity
     from ..page.photograph import NONE_INSTALLED, browser
-    from ..scene.quantities.settings import value_of
+    from ..scene.file import value_of
 
     try:
         time = quantity(value_of(still), "s")

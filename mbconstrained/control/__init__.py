@@ -1,6 +1,5 @@
 """Control: transfer functions, state spaces with or without descriptor.
 
-It imports the mathematics below; nothing of mechanics, models or robots. Read in this order: rational, matrix_fraction, transfer_function
-(one input and output), then state_equations with poles and zeros, conversions, state_space; in discrete time discrete_state_space and
-discrete_transfer.
+It imports the mathematics below; nothing of mechanics, models or robots. Read in this order: rational, transfer_function (one input and
+output), then state_equations with poles and zeros, conversions, state_space; discrete_time has both in discrete time.
 """

@@ -17,8 +17,7 @@ from ..ground.tolerances import GAIN_AGREEMENT, noise_of
 from ..polynomial.polynomial_matrix import PolynomialMatrix
 from ..polynomial.structure import FiniteZero
 from ..signals.impulsive import ImpulsiveSmooth
-from .matrix_fraction import scalar_matrix
-from .rational import RationalFunction
+from .rational import RationalFunction, scalar_matrix
 
 
 class StateEquations(Displayed):

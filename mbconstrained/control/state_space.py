@@ -22,13 +22,13 @@ from ..signals.bohl import BohlFunction
 from ..signals.impulsive import ImpulsiveSmooth
 from ..signals.inputs import named_rows, zero
 from .conversions import factored_realization, ordinary_form, rational_realization, realization_of, to_control, to_scipy
-from .matrix_fraction import checked_input
+from .rational import checked_input
 from .state_equations import StateEquations, channel_places, delays_of_inputs, transfer_of
 
 if TYPE_CHECKING:
     from ..exact.enclosure.exact_response import ExactResponse
     from ..exact.enclosure.intervals import Enclosure
-    from .discrete_state_space import DiscreteStateSpace
+    from .discrete_time import DiscreteStateSpace
 
 
 # The response of a state space: its states, and its outputs with their own jumps and impulses.
@@ -245,7 +245,7 @@ class StateSpace(StateEquations):
         >>> zero_order.A.tolist(), zero_order.B.tolist()
         ([[1.0, 0.5], [0.0, 1.0]], [[0.125], [0.5]])
         """
-        from .discrete_state_space import DiscreteStateSpace  # balls, which nothing else here needs
+        from .discrete_time import DiscreteStateSpace  # balls, which nothing else here needs
 
         return DiscreteStateSpace.of_continuous(self, step, hold, delays)
 

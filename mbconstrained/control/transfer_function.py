@@ -34,8 +34,7 @@ from ..response.response import Response, moved_responses
 from ..response.response_notices import response_notices
 from ..response.solve import solve
 from ..signals.impulsive import ImpulsiveSmooth
-from .matrix_fraction import checked_input, scalar_force, scalar_matrix
-from .rational import ONE, Polynomial, RationalFunction, rational_function
+from .rational import ONE, Polynomial, RationalFunction, checked_input, rational_function, scalar_force, scalar_matrix
 
 if TYPE_CHECKING:
     from ..exact.enclosure.exact_response import ExactResponse

@@ -16,7 +16,7 @@ import scipy
 from ..ground.errors import InputError
 from ..ground.notices import Notice
 from ..ground.tolerances import EPS, LARGEST_POWER, LINE_ACCURACY, LINE_ROUNDING, TRUST_LIMIT
-from ..linalg import lapack
+from ..linalg.arrays import lapack
 from ..linalg.elimination import as_slice
 from ..linalg.scaling import Scaling, joint_scaling
 from ..polynomial.delayed_terms import DelayedTerm

@@ -1,4 +1,4 @@
-"""Matrices that are sparse where they are large and full where they are small, with common operations.
+"""Matrices that are sparse where they are large and full where they are small, with common operations; the routines of LAPACK.
 
 A sparse operation takes ten to a hundred times as long as one of NumPy on a few entries; products, sums, rows and columns are
 written alike for both. The rest is here.
@@ -6,8 +6,12 @@ written alike for both. The rest is here.
 
 from __future__ import annotations
 
+import os
+import sys
 from collections.abc import Sequence
-from typing import TypeAlias
+from importlib.machinery import PathFinder
+from importlib.util import module_from_spec
+from typing import Any, TypeAlias
 
 import numpy as np
 import scipy
@@ -165,3 +169,26 @@ def product(matrix: Matrix, columns: np.ndarray) -> np.ndarray:
     if isinstance(matrix, np.ndarray) and is_diagonal(matrix):
         return matrix.diagonal()[:, None] * columns
     return (matrix @ np.ascontiguousarray(columns).view(float)).view(columns.dtype)
+
+
+class _Lapack:
+    """The compiled routines of LAPACK by name, e.g. ``lapack.dgeev``, without ``scipy.linalg``.
+
+    That package takes longer to import than a small scene to run: it loads the testing tools, the masked arrays and the compiler of NumPy.
+    """
+
+    _file = "scipy.linalg._flapack"
+
+    def __getattr__(self, name: str) -> Any:
+        if self._file not in sys.modules:
+            spec = PathFinder.find_spec(self._file, [os.path.join(os.path.dirname(scipy.__file__), "linalg")])
+            if spec is None or spec.loader is None:  # another build of SciPy
+                return getattr(scipy.linalg.lapack, name)
+            module = module_from_spec(spec)
+            spec.loader.exec_module(module)
+            sys.modules[self._file] = module
+        self.__dict__[name] = routine = getattr(sys.modules[self._file], name)
+        return routine
+
+
+lapack = _Lapack()

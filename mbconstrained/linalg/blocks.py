@@ -11,8 +11,7 @@ import scipy
 
 from ..ground.threads import one_thread
 from ..ground.tolerances import DECOUPLING_LIMIT, EPS, MODE_AMPLIFICATION, SEPARATION_STEPS, WEAK_COUPLING
-from . import lapack
-from .arrays import Matrix, block_diag, compressed, entries, full, kept, of_like_kind
+from .arrays import Matrix, block_diag, compressed, entries, full, kept, lapack, of_like_kind
 from .precise import of_kind
 from .scaling import balancing_units
 

@@ -10,8 +10,7 @@ import numpy as np
 import scipy
 
 from ..ground.tolerances import CANCELLED, EPS, GOOD_CONDITION, noise_of
-from . import lapack
-from .arrays import Matrix, entries, entry_count, full, is_diagonal, of_like_kind
+from .arrays import Matrix, entries, entry_count, full, is_diagonal, lapack, of_like_kind
 from .scaling import equilibration
 
 

@@ -8,8 +8,7 @@ import numpy as np
 import scipy
 
 from ..ground.tolerances import CLEAR_DROPPED, CLEAR_KEPT, EPS, NOISE_SAFETY, PIVOT_PREFERENCE, PRECISE_DECOUPLING
-from . import lapack
-from .arrays import LARGE, compressed
+from .arrays import LARGE, compressed, lapack
 from .blocks import coupled
 from .precise import floats, is_precise, magnitude, midpoints, of_kind, precise, product, squared, unit
 from .scaling import equilibration

@@ -15,8 +15,7 @@ import scipy
 
 from ..ground.errors import IllConditioned
 from ..ground.tolerances import BALANCE_RATIO, EPS, NOISE_SAFETY
-from . import lapack
-from .arrays import Matrix, compressed, full
+from .arrays import Matrix, compressed, full, lapack
 from .precise import is_precise, power_of_two
 
 #: Factors stay within 2^(+-this), where they and their inverses are normal numbers.

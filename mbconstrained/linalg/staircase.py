@@ -15,7 +15,7 @@ import numpy as np
 
 from ..ground.errors import IllConditioned
 from ..ground.tolerances import EPS, NOISE_SAFETY
-from . import lapack
+from .arrays import lapack
 from .precise import inverse, is_precise, magnitude, of_kind, unit
 from .rank import Noisy, RankDecision, RowCompression, compress_rows, null_columns, rotate_rows, stacked
 

@@ -8,8 +8,7 @@ import numpy as np
 import scipy
 
 from ..ground.tolerances import EPS, LARGEST_CORRECTION, LAST_CORRECTION, REFINED_SPREAD, noise_of
-from . import lapack
-from .arrays import Matrix, block_diag, entries, entry_count, full, is_diagonal, of_like_kind
+from .arrays import Matrix, block_diag, entries, entry_count, full, is_diagonal, lapack, of_like_kind
 from .blocks import BlockDiagonal, decoupled
 from .division import condition, congruence, exact_row_sums
 

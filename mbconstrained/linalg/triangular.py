@@ -11,8 +11,7 @@ import scipy
 from ..ground.errors import IllConditioned
 from ..ground.threads import one_thread
 from ..ground.tolerances import DECOUPLING_LIMIT, PRECISE_DECOUPLING, PRECISE_GUARD_DIGITS, PRECISE_LEVELS, QR_STEPS, STRETCH_LIMIT
-from . import lapack
-from .arrays import block_diag
+from .arrays import block_diag, lapack
 from .blocks import BlockDiagonal, assembled, coupled_rows
 from .precise import (
     floats,

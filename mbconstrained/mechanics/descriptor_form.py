@@ -12,7 +12,7 @@ from .channels import Channel, channels, chosen_by_name, coordinate_channels, ro
 from .equations import EquationsOfMotion
 
 if TYPE_CHECKING:
-    from ..control.discrete_state_space import DiscreteStateSpace
+    from ..control.discrete_time import DiscreteStateSpace
     from ..control.state_space import StateSpace
 
 #: Suffixes of states and outputs of a coordinate: x, x', x''.

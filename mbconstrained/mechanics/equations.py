@@ -22,8 +22,18 @@ from ..ground.units import coordinate_units
 from ..polynomial.delayed_terms import DelayedTerm, delayed_terms
 from ..polynomial.polynomial_matrix import PolynomialMatrix
 from ..signals.inputs import ImpulsiveSmooth, named_rows, step, zero
-from .constrained_form import ConstrainedForm, constrained_form, explicit_acceleration
-from .constraints import LEVELS, Constraint, ConstraintRow, IndependentRows, checked_constraints, constraint_rows, independent_rows
+from .constraints import (
+    LEVELS,
+    ConstrainedForm,
+    Constraint,
+    ConstraintRow,
+    IndependentRows,
+    checked_constraints,
+    constrained_form,
+    constraint_rows,
+    explicit_acceleration,
+    independent_rows,
+)
 from .element_matrix import ElementMatrix, SpeedTable, modal_damping, relative_mass
 from .energy import CoordinateParts, EnergyParts, checked_parts
 from .parameter import Parameter, entry_parameters

@@ -33,8 +33,7 @@ from ..ground.tolerances import (
     rounding_radius,
 )
 from ..ground.units import coordinate_units
-from ..linalg import lapack
-from ..linalg.arrays import block_diag, entries, full, kept, product
+from ..linalg.arrays import block_diag, entries, full, kept, lapack, product
 from ..linalg.blocks import block_slices
 from ..linalg.division import definite_condition, is_symmetric, solved
 from ..linalg.exponential import BlockGroups

@@ -24,8 +24,7 @@ from ..ground.tolerances import (
     RANK_TRIALS,
     rounding_radius,
 )
-from ..linalg import lapack
-from ..linalg.arrays import block_diag
+from ..linalg.arrays import block_diag, lapack
 from ..linalg.blocks import block_diagonalize, coupled_rows, eigenvalues
 from ..linalg.precise import floats, is_precise, is_worthwhile, precise_arithmetic, product, unit
 from ..linalg.rank import RankDecision

@@ -21,8 +21,7 @@ from ..ground.tolerances import (
     STIFFNESS_CONDITION,
     noise_of,
 )
-from ..linalg import lapack
-from ..linalg.arrays import product
+from ..linalg.arrays import lapack, product
 from ..linalg.blocks import coupled_rows
 from ..linalg.division import condition, is_symmetric
 from ..linalg.rank import Noisy, null_columns

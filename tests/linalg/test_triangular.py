@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import mbconstrained as mb
-from mbconstrained.control.matrix_fraction import scalar_matrix
+from mbconstrained.control.rational import scalar_matrix
 from mbconstrained.linalg.blocks import eigenvalues
 from mbconstrained.linalg.rank import Noisy
 from mbconstrained.linalg.triangular import TriangularForm, triangular_form

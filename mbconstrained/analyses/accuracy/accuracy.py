@@ -18,12 +18,11 @@ from ...ground.tolerances import EPS, TRUST_LIMIT
 from ...page.content import Curve, Guide, Marks, Plot, curve_with_gaps, shortened
 from ...scene.schema.entry_types import Table
 from ..base import Analysis, Answer
-from ..study_problem import StudyProblem, problem_of
+from ..study_problem import StudyProblem, SwitchedProblem, problem_of
 from ..timing import Progress, Timing, duration, machine, no_progress, suitable_clock
 from . import methods as catalogue
 from .measure import SECONDS, Measurement, ReferenceSolution, measure, reduction_time, reference_solution, states_of
 from .methods import ComparedMethod
-from .switched import SWITCHED_METHODS, SwitchedProblem, switched_problem_of, switched_reference
 
 if TYPE_CHECKING:
     from ...scene.run.scene import Scene
@@ -59,8 +58,7 @@ class Accuracy(Analysis):
     @classmethod
     def solve(cls, scene: Scene, settings: AccuracySettings | None, progress: Progress = no_progress) -> Answer:
         seconds = (settings or AccuracySettings()).seconds
-        problem = problem_of(scene) if scene.equations.switching is None else switched_problem_of(scene)
-        return accuracy_report(problem, seconds=seconds, progress=progress).answer(scene.name, scene.table.source)
+        return accuracy_report(problem_of(scene), seconds=seconds, progress=progress).answer(scene.name, scene.table.source)
 
 
 @dataclass(frozen=True)
@@ -181,9 +179,9 @@ def accuracy_report(
     problem: StudyProblem, methods: Sequence[ComparedMethod] = (), seconds: float = SECONDS, progress: Progress = no_progress
 ) -> AccuracyReport:
     switches = isinstance(problem, SwitchedProblem)
-    methods = methods or (SWITCHED_METHODS if switches else catalogue.METHODS)
+    methods = methods or (catalogue.SWITCHED_METHODS if switches else catalogue.METHODS)
     progress("the reference solution")
-    reference = switched_reference(problem) if isinstance(problem, SwitchedProblem) else reference_solution(problem)
+    reference = reference_solution(problem)
     runs = measure(problem, reference, methods, seconds, progress)
     return AccuracyReport(problem, reference, runs, machine(), None if switches else reduction_time(problem))
 

@@ -11,10 +11,10 @@ from warnings import catch_warnings
 
 import numpy as np
 
-from ...ground.errors import MbconstrainedError, Overflow
+from ...ground.errors import MbconstrainedError, NotUnique, Overflow
 from ...response.response import Response
 from ...scene.run.plan import OutOfTime, time_limit
-from ..study_problem import StudyProblem, chosen_places, fractions_of, values_of
+from ..study_problem import StudyProblem, SwitchedProblem, chosen_places, fractions_of, values_of
 from ..timing import (
     Clock,
     Progress,
@@ -28,7 +28,7 @@ from ..timing import (
     without_garbage_collection,
 )
 from .first_order import reduced
-from .methods import STEPS, ComparedMethod, Failure, MethodSetting
+from .methods import STEPS, ComparedMethod, Failure, MethodSetting, by_events
 
 #: Repeats of each setting, and their total time (s) after which there are no more, but at least one repeat. The first run
 #: is not counted: it includes what a library does once, and a processor that is not yet at full speed.
@@ -51,6 +51,9 @@ MOST_TIMES = 101
 
 #: Digits of the exact values, kept as sums of two float64 numbers.
 REFERENCE_DIGITS = 25
+
+#: The tolerance of the integration with which motions with events are compared.
+FINEST = 1e-13
 
 #: Most states for exact arithmetic, which takes minutes with more, and its time limit, s.
 MOST_STATES, EXACT_SECONDS = 240, 60.0
@@ -88,6 +91,8 @@ def states_of(problem: StudyProblem) -> int:
 def reference_solution(problem: StudyProblem, seconds: float = EXACT_SECONDS) -> ReferenceSolution:
     """The reference solution by exact arithmetic for the given numbers; by a cross-check where that takes too long."""
     places = chosen_places(len(problem.times), MOST_TIMES)
+    if isinstance(problem, SwitchedProblem):
+        return _switched_reference(problem, places)
     states = states_of(problem)
     if states > MOST_STATES:
         return _cross_checked(problem, places, f"exact arithmetic with {states} states takes too long")
@@ -117,6 +122,24 @@ def _cross_checked(problem: StudyProblem, places: np.ndarray, why: str) -> Refer
     source = f"{why}: the closed form itself, with which {STEPS.name} agrees to {error_bound:.1e}; smaller errors are not resolved"
     values = values[:, places]
     return ReferenceSolution(places, values, np.zeros_like(values), error_bound, source)
+
+
+def _switched_reference(problem: SwitchedProblem, places: np.ndarray) -> ReferenceSolution:
+    """The closed form, verified to the accuracy with which solve_ivp with events agrees at its least tolerance."""
+    motion = problem.solve()
+    values = motion(problem.times[places])
+    scale = float(np.abs(values).max(initial=0.0)) or 1.0
+    count = len(motion.events)
+    try:
+        other = by_events("DOP853", problem, FINEST)()[:, places]
+        bound = float(np.abs(values - other).max(initial=0.0)) / scale
+        source = (
+            f"the closed form itself through its {count} events, with which solve_ivp DOP853 with events at rtol {FINEST:.0e} "
+            f"agrees to {bound:.1e}; smaller errors are not resolved"
+        )
+    except NotUnique as problem_of_steps:
+        bound, source = np.inf, f"the closed form itself; solve_ivp with events fails ({problem_of_steps})"
+    return ReferenceSolution(places, values, np.zeros_like(values), bound, source)
 
 
 @dataclass(frozen=True)

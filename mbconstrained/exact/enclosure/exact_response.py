@@ -769,7 +769,7 @@ class ExactDelayedResponse(ExactResponse):
             nothing = (ZERO,) * (r * (count - 1))
             start = [(*row, *nothing) for row in self.initial] + [(ZERO,) * (r * count)] * (len(total) - 1 - len(self.initial))
             sources = [replace(source, vector=(*source.vector, *nothing)) for source in self.sources]
-            self._responses[count] = ExactResponse(RationalMatrix(total.tolist()), start, sources)
+            self._responses[count] = ExactResponse(RationalMatrix(total), start, sources)
         return self._responses[count]
 
     def _values(self, times, order: int) -> list[list[flint.arb]]:
@@ -810,7 +810,7 @@ def deciding_entry(A: PolynomialMatrix) -> str:
 
     det A(s) is of first degree in each entry, with an entry of adj A(s) as its slope.
     """
-    exact = RationalMatrix.of(A)
+    exact = known_matrix(A)
     places = np.argwhere(A.coefficients).tolist()
     if len(places) > MOST_ENTRIES or not exact.determinant:
         return ""

@@ -18,7 +18,7 @@ from ...ground.named_arrays import named_array
 from ...ground.notices import Notice, NoticeKind
 from ...ground.tolerances import CLUSTER_SAFETY, EPS, FLOAT64_DIGITS, NOISE_SAFETY, PROVED_ACCURACY, REPORTED_ERROR, TRUST_LIMIT
 from ...ground.units import density_unit
-from ...linalg import lapack
+from ...linalg.arrays import lapack
 from ...linalg.precise import relative_degrees
 from ...polynomial.polynomial_matrix import PolynomialMatrix
 from ..frequency_response import evaluated

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...linalg import lapack
+from ...linalg.arrays import lapack
 from ...linalg.blocks import BlockDiagonal, block_slices
 from ...linalg.exponential import block_states
 from ...linalg.recursion import advance, shared_gaps

@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...control.matrix_fraction import scalar_force, scalar_matrix
-from ...control.rational import RationalFunction, rational_function
+from ...control.rational import RationalFunction, rational_function, scalar_force, scalar_matrix
 from ...control.state_equations import Transfer, delays_of_inputs, rational_transfer, roots_of
 from ...control.state_space import StateSpace
 from ...control.transfer_function import transfer_function_response

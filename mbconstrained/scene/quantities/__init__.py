@@ -1,1 +1,1 @@
-"""Numbers with units in scenes. Read ``parameters``, then ``coordinates`` with their values; ``settings`` are values from the command line."""
+"""Numbers with units in scenes. Read ``parameters``, then ``coordinates`` with their values, and ``variations``."""

@@ -21,9 +21,8 @@ from ...response.choose import Method, Request, choose
 from ...response.problem import Problem
 from ..build.model import End, Equations
 from ..build.switched import never_notices, refuse_with_switches
-from ..file import SceneFolder, SceneName
+from ..file import SceneFolder, SceneName, Setting, file_part
 from ..quantities.parameters import Parameters
-from ..quantities.settings import Setting, file_part
 from .plan import Cost
 
 if TYPE_CHECKING:

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from mbconstrained.analyses.accuracy.accuracy import Accuracy, AccuracySettings, accuracy_report
-from mbconstrained.analyses.accuracy.methods import ComparedMethod, MethodSetting
-from mbconstrained.analyses.accuracy.switched import SWITCHED_METHODS, switched_problem_of, switched_reference
+from mbconstrained.analyses.accuracy.measure import reference_solution
+from mbconstrained.analyses.accuracy.methods import SWITCHED_METHODS, ComparedMethod, MethodSetting
+from mbconstrained.analyses.study_problem import problem_of
 from tests.scene.scenes import scene_of
 
 DROP = """
@@ -62,7 +63,7 @@ def ball(times: np.ndarray) -> np.ndarray:
 
 @pytest.fixture
 def problem(tmp_path):
-    return switched_problem_of(scene_of(tmp_path, DROP))
+    return problem_of(scene_of(tmp_path, DROP))
 
 
 def errors_of(method: ComparedMethod, problem) -> list[float]:
@@ -77,7 +78,7 @@ def named(name: str) -> ComparedMethod:
 
 
 def test_the_reference_is_the_motion_of_the_ball(problem):
-    reference = switched_reference(problem)
+    reference = reference_solution(problem)
     assert np.abs(reference.values[0] - ball(problem.times[reference.places])).max() < 1e-13
     assert reference.error_bound < 1e-11 and "agrees to" in reference.source
     assert reference.error(ball(problem.times)[None]) == reference.error_bound
@@ -94,13 +95,13 @@ def test_moreaus_time_stepping_is_of_first_order(problem):
 
 
 def test_moreaus_time_stepping_is_for_plain_contacts_only(tmp_path):
-    problem = switched_problem_of(scene_of(tmp_path, FRICTION))
+    problem = problem_of(scene_of(tmp_path, FRICTION))
     assert "rigid contacts" in named("Moreau's time stepping").refusal(problem)
 
 
 def test_friction_is_integrated_to_its_tolerance(tmp_path):
-    problem = switched_problem_of(scene_of(tmp_path, FRICTION))
-    reference = switched_reference(problem)
+    problem = problem_of(scene_of(tmp_path, FRICTION))
+    reference = reference_solution(problem)
     method = named("solve_ivp DOP853 with events")
     errors = [reference.error(method.prepare(problem, rtol)()) for rtol in (1e-4, 1e-8, 1e-12)]
     assert errors[0] > 10 * errors[1] > 100 * errors[2] and errors[2] < 1e-10

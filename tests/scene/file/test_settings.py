@@ -5,7 +5,7 @@ import json
 import pytest
 
 from mbconstrained.ground.errors import SceneError
-from mbconstrained.scene.quantities.settings import value_of
+from mbconstrained.scene.file import value_of
 from mbconstrained.scene.run.scene import read_scene
 from tests.scene.scenes import OSCILLATOR, scene_of
 
