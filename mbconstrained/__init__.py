@@ -127,9 +127,9 @@ if TYPE_CHECKING:
     from .scene.build.data_files import Record as Record
     from .scene.build.data_files import read_record as read_record
     from .scene.build.robot_file import read_robot as read_robot
-    from .scene.quantities.variations import linspace as linspace
     from .scene.run.scene import Scene as Scene
     from .scene.run.scene import read_scene as read_scene
+    from .scene.variations import linspace as linspace
     from .signals.approximated import Approximation as Approximation
     from .signals.approximated import approximated as approximated
     from .signals.bohl import BohlFunction as BohlFunction
@@ -216,7 +216,7 @@ _NAMES = {
     "robot.tangent": "JointGear",
     "scene.build.data_files": "Record read_record",
     "scene.build.robot_file": "read_robot",
-    "scene.quantities.variations": "linspace",
+    "scene.variations": "linspace",
     "scene.run.scene": "Scene read_scene",
     "signals.approximated": "Approximation approximated",
     "signals.bohl": "BohlFunction",
@@ -232,17 +232,20 @@ __all__.sort()
 
 #: Functions of other packages, and methods, that are expected of this module.
 _INSTEAD = {
+    "TransferFunction": "mb.StateSpace.from_transfer_function",
     "bode": "system.frequency_response(...).plot()",
     "eig": "system.modes()",
     "frf": "system.frequency_response(...)",
     "load": "mb.read_scene",
     "load_scene": "mb.read_scene",
+    "mac": 'mb.read_scene("FILE.toml").mac(other="OTHER.toml")',
     "modes": "system.modes()",
     "plot": "motion.plot()",
     "random_response": "system.random_response(...)",
     "run": 'mb.read_scene("FILE.toml").run()',
     "simulate": "system.solve(...)",
     "sine": "mb.harmonic",
+    "srs": "mb.shock_response_spectrum",
     "sweep": "scene.sweep(...)",
 }
 
@@ -268,4 +271,4 @@ def __getattr__(name: str):
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__, "__version__"})
+    return sorted([*__all__, "__version__"])

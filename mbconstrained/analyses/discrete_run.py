@@ -23,8 +23,8 @@ from ..page.animation import MOST_FRAMES, MOST_POSES, Animation
 from ..page.content import Curve, Marks, Plot
 from ..response.discrete import DiscreteResponse, discrete_force, from_start
 from ..scene.build.model import Equations
+from ..scene.coordinates import Coordinates
 from ..scene.file import at
-from ..scene.quantities.coordinates import Coordinates
 from ..scene.run.drawing import drawing_of
 from ..scene.run.result import start_notices
 from ..signals.impulsive import ImpulsiveSmooth
@@ -150,7 +150,7 @@ class DiscreteRunAnswer(RunAnswer):
         rows = []
         h = self.scene.table.time.step
         for z in self._eigenvalues_z:
-            hz = number_text(abs(np.angle(z)) / (2 * np.pi * h)) if z.imag or z.real < 0 else "-"
+            hz = number_text(abs(np.angle(z)) / (2 * np.pi * h)) if z.imag or z.real < 0 else "–"
             change = "grows" if abs(z) > 1 + EPS**0.5 else "stays" if abs(z) > 1 - EPS**0.5 else "decays"
             rows.append((_complex_text(z), number_text(abs(z)), hz, change))
         shown = self._coordinates.shown

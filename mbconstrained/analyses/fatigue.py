@@ -21,8 +21,8 @@ from ..ground.quantities import quantity as number_of
 from ..mechanics.peaks import cycles
 from ..page.content import Curve, Plot
 from ..scene.build.data_files import record_in_si
+from ..scene.coordinates import OutputUnits
 from ..scene.file import at
-from ..scene.quantities.coordinates import OutputUnits
 from ..scene.schema.analysis_tables import FatigueTable
 from ..signals.impulsive import ImpulsiveSmooth
 from .base import Analysis, Answer

@@ -14,8 +14,8 @@ from ..ground.errors import InputError, named
 from ..ground.quantities import quantity, unit_name
 from ..mechanics.root_locus import RootLocus
 from ..page.content import Curve, Guide, Marks, Plot, Shape
-from ..scene.quantities.variations import Distribution, variation_of
 from ..scene.schema.entry_types import Table
+from ..scene.variations import Distribution, variation_of
 from .base import Analysis, Answer
 
 if TYPE_CHECKING:

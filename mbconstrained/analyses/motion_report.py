@@ -13,7 +13,7 @@ from ..ground.display import TextTable, number_text, with_unit
 from ..ground.units import rate_unit
 from ..response.events import Event
 from ..response.response_notices import counts
-from ..scene.quantities.coordinates import Coordinates, OutputUnits
+from ..scene.coordinates import Coordinates, OutputUnits
 from ..scene.run.result import ReportedImpulse, Result, forces_of_rows, impulses_of, jumps_of
 from ..signals.impulsive import ImpulsiveLoad
 

@@ -20,8 +20,8 @@ from ..mechanics.channels import OutputNames, channels, chosen_by_name
 from ..mechanics.harmonic_sums import common_rate, largest_modulus, root_mean_square
 from ..mechanics.rotating import NEAR_POLE, NEAR_RESONANCE, CriticalSpeed
 from ..page.content import Cells, Curve, Marks, Plot, curve_with_gaps
+from ..scene.coordinates import FORCE_UNITS
 from ..scene.file import at
-from ..scene.quantities.coordinates import FORCE_UNITS
 from ..scene.schema.analysis_tables import CampbellTable, FrequencyTable, OrdersTable
 from .base import Analysis, Answer
 from .campbell import RPM, SMALLEST, SpeedDiagram
@@ -376,7 +376,7 @@ class _RunUp:
 
     def columns(self) -> dict[str, np.ndarray]:
         """Largest and RMS values and the amplitude of each order over the speed, in the units shown."""
-        result = {"speed (rpm)": self.speeds / RPM}
+        result = {"speed (rev/min)": self.speeds / RPM}
         for i, (name, unit) in enumerate(zip(self.outputs, self.units)):
             text, factor = self.shown.of(unit)
             result[f"largest {name} ({text})"], result[f"RMS {name} ({text})"] = factor * self.largest[i], factor * self.rms[i]

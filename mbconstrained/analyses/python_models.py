@@ -35,8 +35,8 @@ from ..response.response import Response
 from ..scene.build.data_files import Record
 from ..scene.build.model import Equations
 from ..scene.build.robot_model import RobotEquations, RobotScene
+from ..scene.coordinates import Coordinates
 from ..scene.file import SceneName
-from ..scene.quantities.coordinates import Coordinates
 from ..scene.run.drawing import check_drawing
 from ..scene.run.scene import Scene, check_output
 from ..scene.run.scene_data import UNWRITTEN
@@ -188,6 +188,8 @@ def plot(motion: Response, axes=None, quantity: str = "displacement", **options)
     """Draw the curves of a quantity into axes of Matplotlib."""
     result = result_of(motion, plots=[quantity], **options)
     curves = result.curves(quantity)
+    if not (axes is None or hasattr(axes, "plot")):
+        raise InputError(f"axes: found {axes!r}; expected axes of Matplotlib; the last time has a name: plot(end=10)")
     axes = new_axes() if axes is None else axes
     for name, values in zip(curves.names, curves.values):
         axes.plot(result.times, values, label=name)

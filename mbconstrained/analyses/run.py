@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from ..exchange.universal import Geometry
     from ..page.animation import Animation
     from ..page.content import Formulas, PageContent, Plot
-    from ..scene.quantities.coordinates import Coordinates
+    from ..scene.coordinates import Coordinates
     from ..scene.run.certificate import Certificate
     from .frequency import Frequency
 

@@ -18,8 +18,7 @@ from ..signals.impulsive import ImpulsiveSmooth
 from .extrema import fastest_rate
 from .harmonic import Harmonic
 from .random.random_response import RandomResponse
-from .random.spectra import KINDS, Spectrum
-from .random.spectral_matrix import spectral_matrix
+from .random.spectra import KINDS, Spectrum, spectral_matrix
 from .shock_spectrum import QUANTITIES, UNITS, Oscillator, ShockRecord, checked_oscillators, record_of_signal
 
 #: Cycles of functions in closed form that are smaller than this share of the largest one are rounding errors.

@@ -252,7 +252,7 @@ class FrequencyResponse(Pictured):
         *,
         amplitude: Literal["log", "linear", "dB"] = "log",
         unwrapped: bool = True,
-        axis: Literal["Hz", "rad/s", "rpm"] = "Hz",
+        axis: Literal["Hz", "rad/s", "rev/min", "rpm"] = "Hz",
         peaks: bool = True,
     ):
         """Draw the response with matplotlib: a row of axes for each output, a column for each input.

@@ -13,8 +13,7 @@ import numpy as np
 from ..frequency.extrema import Extrema, RootMeanSquares, extrema, root_mean_squares
 from ..frequency.harmonic import Harmonic
 from ..frequency.random.random_response import RandomResponse
-from ..frequency.random.spectra import KINDS
-from ..frequency.random.spectral_matrix import SpectralMatrix
+from ..frequency.random.spectra import KINDS, SpectralMatrix
 from ..ground.by_name import answering
 from ..ground.checks import counted, evaluation_times, places_of, real_array
 from ..ground.display import Displayed, TextTable, notice_table

@@ -178,6 +178,9 @@ class Modes(Presented, Sequence):
     _instead: ClassVar = {
         "damping": "damping_ratios",
         "frequencies": "frequencies_hz",
+        **dict.fromkeys(
+            ("MAC", "mac"), 'the modes of two scenes are compared by mb.read_scene("FILE.toml").mac(other="OTHER.toml")'
+        ),
     }
 
     def __len__(self) -> int:

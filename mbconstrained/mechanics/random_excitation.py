@@ -8,8 +8,7 @@ import numpy as np
 
 from ..frequency.harmonic import Harmonic
 from ..frequency.random.random_response import RandomResponse
-from ..frequency.random.spectra import KINDS
-from ..frequency.random.spectral_matrix import SpectralMatrix, spectral_matrix
+from ..frequency.random.spectra import KINDS, SpectralMatrix, spectral_matrix
 from ..ground.checks import check_known
 from ..ground.errors import InputError
 from ..polynomial.polynomial_matrix import PolynomialMatrix

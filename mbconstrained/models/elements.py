@@ -344,7 +344,7 @@ class Spring(Link):
 class Damper(Link):
     """A linear damper along the axis: force -damping (x_end' - x_start') on the end, its opposite on the start."""
 
-    damping: Annotated[Real, Numeric("N*s/m", "Force by velocity.", "positive")]
+    damping: Annotated[Real, Numeric("N*s/m", "Force by velocity.", "nonnegative")]
 
     symbol = "damper"
 
@@ -365,7 +365,7 @@ class TorsionSpring(Link):
 class TorsionDamper(Link):
     """A linear torsion damper: torque -damping (q_end' - q_start') on the end, its opposite on the start."""
 
-    damping: Annotated[Real, Numeric("N*m*s/rad", "Torque by angular velocity.", "positive")]
+    damping: Annotated[Real, Numeric("N*m*s/rad", "Torque by angular velocity.", "nonnegative")]
 
     axis, symbol = "rad", "torsion damper"
 

@@ -106,7 +106,9 @@ class LumpedModel(Displayed):
         **{f"add_{name}": name for name in ("mass", "spring", "damper", "force")},
         "build": "assemble",
         "frequency_response": "assemble().frequency_response",
+        **dict.fromkeys(("fix", "ground"), 'fixed are springs and constraints to "ground", a body that exists in every model'),
         "modes": "assemble().modes",
+        "shaft": "torsion_spring",
         "solve": "assemble().solve",
         "system": "assemble()",
     }

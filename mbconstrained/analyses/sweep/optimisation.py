@@ -21,9 +21,9 @@ from ...ground.errors import InputError
 from ...ground.notices import Notice, NoticeKind
 from ...ground.tolerances import SIMPLEX_SIZE
 from ...page.content import Curve, Plot
-from ...scene.quantities.variations import Distribution
 from ...scene.schema.analysis_tables import VaryTable
 from ...scene.schema.entry_types import Text
+from ...scene.variations import Distribution
 from ..base import Analysis, Answer
 from ..timing import machine
 from .evaluation import Job, evaluate

@@ -16,8 +16,8 @@ import numpy as np
 
 from ...ground.checks import counted, nearest
 from ...ground.errors import InputError
-from ...scene.quantities.variations import Distribution, Values, Variation
 from ...scene.schema.analysis_tables import VaryTable
+from ...scene.variations import Distribution, Values, Variation
 
 
 @dataclass(frozen=True)

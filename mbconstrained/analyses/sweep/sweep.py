@@ -24,9 +24,9 @@ from ...ground.errors import InputError, MbconstrainedError, SceneError, named
 from ...ground.notices import Notice, NoticeKind
 from ...page.content import PageContent, Plot
 from ...scene.file import read_tables, shown
-from ...scene.quantities.variations import Distribution, Values, Variation
 from ...scene.schema.analysis_tables import VaryTable
 from ...scene.schema.entry_types import Text, validated
+from ...scene.variations import Distribution, Values, Variation
 from ..base import Analysis, Answer
 from ..modes import variants_content
 from ..timing import machine, version_of

@@ -16,9 +16,8 @@ import numpy as np
 from ...ground.checks import evaluation_times, real_array
 from ...ground.errors import InputError
 from ...ground.tolerances import EPS, FORM_ROUNDING, PROVED_ACCURACY
-from .spectra import PowerLaw, Rational
+from .spectra import INDEFINITE, PowerLaw, Rational, SpectralMatrix
 from .spectral_integral import NODES, TURN, WEIGHTS, SpectralTransfer, _Integration
-from .spectral_matrix import INDEFINITE, SpectralMatrix
 
 #: Harmonics that are added at once, times the number of times.
 CHUNK = 1 << 22

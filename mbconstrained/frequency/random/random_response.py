@@ -24,9 +24,8 @@ from ...polynomial.polynomial_matrix import PolynomialMatrix
 from ..frequency_response import evaluated
 from ..harmonic import Harmonic
 from . import nonstationary
-from .spectra import PowerLaw, Rational, Spectrum
+from .spectra import INDEFINITE, PowerLaw, Rational, SpectralMatrix, Spectrum
 from .spectral_integral import DelayedTransfer, RefinedPole, SpectralIntegral, SpectralTransfer, spectral_integral
-from .spectral_matrix import INDEFINITE, SpectralMatrix
 
 if TYPE_CHECKING:
     from ...exact.enclosure.intervals import Enclosure

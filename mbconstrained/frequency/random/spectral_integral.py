@@ -20,7 +20,7 @@ from ..features import ROOTS
 from ..frequency_response import NOISE
 from ..harmonic import Harmonic
 from ..pole_residue_form import Pole, is_on_axis
-from .spectral_matrix import SpectralMatrix
+from .spectra import SpectralMatrix
 
 #: Terms of rounding errors of the entries that are computed at once.
 MOST_TERMS = 1 << 20

@@ -21,8 +21,7 @@ from ...exact.rational import enclosed_roots, known_matrix, polynomial, rational
 from ...ground.checks import whole_number
 from ...ground.errors import InputError
 from ..harmonic import Harmonic
-from .spectra import Line, PowerLaw, Rational
-from .spectral_matrix import SpectralMatrix
+from .spectra import Line, PowerLaw, Rational, SpectralMatrix
 
 #: Working precision in bits beyond the digits, in turn.
 GUARDS = (96, 384, 1536)

@@ -25,8 +25,8 @@ from ...response.response import Response
 from ...signals.bohl import BohlFunction
 from ...signals.impulsive import ImpulsiveSmooth
 from ...signals.inputs import power, zero
+from ..coordinates import Coordinates, initial_values, state_values
 from ..file import SceneFolder, at
-from ..quantities.coordinates import Coordinates, initial_values, state_values
 from .data_files import entries_of
 from .ends import shaped_inputs
 from .forces import input_of

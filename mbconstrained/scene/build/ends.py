@@ -17,8 +17,8 @@ from ...ground.tolerances import NOT_DRAWN
 from ...ground.units import force_unit, rate_unit
 from ...mechanics.channels import channels
 from ...mechanics.input_shaper import InputShaper
+from ..coordinates import DERIVATIVES, Coordinates, given_values
 from ..file import at
-from ..quantities.coordinates import DERIVATIVES, Coordinates, given_values
 from .forces import NONE_SHAPED, SceneForce, Shapers, shapers_of
 from .model import End, Equations
 

@@ -16,8 +16,8 @@ from ...ground.tolerances import CONSISTENT_ROWS
 from ...linalg.scaling import equilibration
 from ...mechanics.channels import channels
 from ...polynomial.polynomial_matrix import PolynomialMatrix
+from ..coordinates import DERIVATIVES, Coordinates, constraint_row, initial_values
 from ..file import SceneFolder, SceneName, at
-from ..quantities.coordinates import DERIVATIVES, Coordinates, constraint_row, initial_values
 from .data_files import entries_of
 from .ends import shaped, shaped_inputs, with_end
 from .forces import NONE_SHAPED, Shapers, force_of, load_patterns, loads_of, prescribed_motions, shapers_of, unbalance_loads

@@ -17,8 +17,8 @@ from ...ground.errors import InputError, named, shown
 from ...mechanics.constraints import LEVELS, Constraint
 from ...mechanics.input_shaper import InputShaper, input_shaper
 from ...signals import inputs as signals
+from ..coordinates import FORCE_UNITS, Coordinates, force_value, with_time
 from ..file import SceneFolder, at
-from ..quantities.coordinates import FORCE_UNITS, Coordinates, force_value, with_time
 from .data_files import record_of
 
 if TYPE_CHECKING:

@@ -23,8 +23,8 @@ from ...response.response import Response
 from ...signals.bohl import BohlFunction
 from ...signals.impulsive import ImpulsiveSmooth
 from ...signals.inputs import zero
+from ..coordinates import Coordinates, beyond_noise
 from ..file import shown
-from ..quantities.coordinates import Coordinates, beyond_noise
 from ..schema.scene_schema import QuantityKind
 from .forces import SceneForce
 

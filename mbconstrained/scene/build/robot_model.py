@@ -17,8 +17,8 @@ from ...ground.notices import Notice, NoticeKind
 from ...ground.tolerances import JOINT_LIMIT
 from ...ground.units import GROUND, force_unit
 from ...signals.bohl import BohlFunction
+from ..coordinates import Coordinates
 from ..file import SceneName, at, robot_name, robot_path
-from ..quantities.coordinates import Coordinates
 from .model import Decision, Equations, ModelTables
 from .robot_file import PLACE, RobotData, given, joint_values, point_motion, posing, robot_data, robot_of
 

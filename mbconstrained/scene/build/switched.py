@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from ...mechanics.switched.switched_system import SwitchedSystem
     from ...mechanics.switched.switches import Guard, Transition
     from ...mechanics.system import MechanicalSystem
-    from ..quantities.coordinates import Coordinates
+    from ..coordinates import Coordinates
 
 
 #: What scenes with switches have no answer for, by place, with the reason.

@@ -17,8 +17,8 @@ from ...ground.tolerances import COMPLEX_STEP
 from ...mechanics.constraints import LEVELS, row_names
 from ...mechanics.parameter import Parameter
 from ...models.lumped import complex_parameter, coordinate_row, exact_elements, incidence_of
+from ..coordinates import FORCE_UNITS, Coordinates, constraint_row, force_value, initial_values, state_values
 from ..file import SceneFolder, at
-from ..quantities.coordinates import FORCE_UNITS, Coordinates, constraint_row, force_value, initial_values, state_values
 from ..run.scene_data import SceneData
 from .data_files import entries_of
 from .forces import sampled_force

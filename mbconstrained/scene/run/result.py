@@ -37,7 +37,7 @@ from ...response.events import Event
 from ...response.response_notices import later_notices, sides, without_kinks
 from ..build.model import named_quantities, output_names
 from ..build.switched import final_notices
-from ..quantities.coordinates import Coordinates, OutputUnits, beyond_noise
+from ..coordinates import Coordinates, OutputUnits, beyond_noise
 from .scene_data import SceneData
 from .stages import connection_forces
 

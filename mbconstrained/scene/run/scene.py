@@ -18,9 +18,9 @@ from ...ground.quantities import count_texts
 from ...ground.units import unit_in_si
 from ..build.equations import equations_of
 from ..build.model import Equations, named_quantities, output_names, quantities_by_name
+from ..coordinates import QUANTITIES, OutputUnits
 from ..file import SceneFolder, SceneName, Setting, at, read_tables, with_robot_file, with_settings, with_values
-from ..quantities.coordinates import QUANTITIES, OutputUnits
-from ..quantities.parameters import Parameters, with_parameters
+from ..parameters import Parameters, with_parameters
 from ..schema.entry_types import validated
 from ..schema.scene_schema import SceneFile
 from .plan import Costs

@@ -22,7 +22,7 @@ from ...response.problem import Problem
 from ..build.model import End, Equations
 from ..build.switched import never_notices, refuse_with_switches
 from ..file import SceneFolder, SceneName, Setting, file_part
-from ..quantities.parameters import Parameters
+from ..parameters import Parameters
 from .plan import Cost
 
 if TYPE_CHECKING:

@@ -37,8 +37,15 @@ MEANT = {  # what people write: what a scene calls it
     "position": "displacement", "speed": "velocity", "start": "initial", "duration": "end", "stop": "end", "steps": "points",
     "step": "points", "type": "kind", "body": "coordinate", "amplitude": "value", "ends": "between", "bodies": "between",
     "friction": "dry_friction", "unilateral": "contact", "gap": "contact", "bumper": "contact", "rope": "cable", "play": "backlash",
+    "file": "robot", "urdf": "robot", "preload": "rest_length", "shaft": "torsion_spring", "at": "on", "speeds": "from",
     "k": "stiffness", "c": "damping", "m": "mass", "weight": "mass", "length": "rest_length", "options": "output", "on": "coordinate", "node": "coordinate", "coordinate": "on",
 }  # fmt: skip
+
+
+DAMPING = {  # advice on the key damping, by a key that the table has
+    "stiffness": "; a damper is an element of its own, a table [[model.damper]] or [[model.torsion_damper]] between the same",
+    "modal_damping": "; write modal_damping = 0.05, or a table [model.rayleigh_damping]",
+}
 
 
 class UnknownKey(EntryError):
@@ -51,6 +58,8 @@ class UnknownKey(EntryError):
             hint = "; what varies stands by its name in parameters, below [vary.parameters]"
         if key in ABOVE:
             hint = f"; {key} = … stands at the top of the file, above the first [table]"
+        if not hint and key == "damping":
+            hint = next((advice for one, advice in DAMPING.items() if one in known), "")
         super().__init__(f"unknown key {shown(key)}{hint}; known here are {', '.join(known)}", key)
 
 

@@ -15,8 +15,8 @@ from ...ground.checks import nearest
 from ...ground.errors import InputError, shown
 from ...ground.quantities import KINDS, Dimension, any_quantity
 from ...ground.tolerances import noise_of
+from ..coordinates import DERIVATIVES, QUANTITIES, OutputUnits, output_units
 from ..file import EntryError
-from ..quantities.coordinates import DERIVATIVES, QUANTITIES, OutputUnits, output_units
 from .entry_types import (
     MISSING_TIME,
     NUMBER_SCHEMA,

@@ -6,8 +6,8 @@ import scipy.stats
 
 import mbconstrained as mb
 from mbconstrained.analyses.sweep.samples import ParameterSamples
-from mbconstrained.scene.quantities.variations import variation_of
 from mbconstrained.scene.schema.analysis_tables import VaryTable
+from mbconstrained.scene.variations import variation_of
 
 
 def samples(parameters: dict, **options) -> ParameterSamples:

@@ -9,7 +9,7 @@ import pytest
 
 from mbconstrained.ground.errors import MbconstrainedError, SceneError
 from mbconstrained.ground.files import Replacements, replacing
-from mbconstrained.scene.quantities.coordinates import OutputUnits, output_units
+from mbconstrained.scene.coordinates import OutputUnits, output_units
 from mbconstrained.scene.run.scene import read_scene
 from tests.scene.scenes import EXAMPLES, MATRICES, OSCILLATOR, scene_of
 

@@ -11,9 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from ...ground.by_name import answering
-from ...ground.errors import InputError, shown
-from ...ground.quantities import Dimension, any_quantity, described, unit_of
+from ..ground.by_name import answering
+from ..ground.errors import InputError, shown
+from ..ground.quantities import Dimension, any_quantity, described, unit_of
 
 #: Values of one range or list: more are another kind of study.
 MOST_VALUES = 1_000_000

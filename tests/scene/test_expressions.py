@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mbconstrained.ground.errors import InputError
-from mbconstrained.scene.quantities.parameters import LONGEST_EXPRESSION, read_expression
+from mbconstrained.scene.parameters import LONGEST_EXPRESSION, read_expression
 
 NAMES = {"k": Fraction(2), "m": Fraction(-3, 7), "ω1": Fraction(5)}
 

@@ -1,1 +1,0 @@
-"""Numbers with units in scenes. Read ``parameters``, then ``coordinates`` with their values, and ``variations``."""
