@@ -446,8 +446,7 @@ def _enclosed(harmonic: Harmonic, frequency_hz: float, digits: int) -> Enclosure
     from ..exact.enclosure.intervals import enclosed_transfer
 
     own = harmonic
-    A = own.A if own.elements is None else own.elements()
-    matrices = A, own.imaginary, own.inputs, own.outputs, own.power
+    matrices = own.exact, own.imaginary, own.inputs, own.outputs, own.power
     return enclosed_transfer(*matrices, frequency_hz, digits, own.delayed, own.input_delays)
 
 

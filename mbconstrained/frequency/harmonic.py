@@ -564,6 +564,11 @@ class Harmonic:
             return self.A.coefficients
         return self.A.coefficients + 1j * np.array([self.imaginary, *np.zeros_like(self.A.coefficients[1:])])
 
+    @cached_property
+    def exact(self) -> PolynomialMatrix:
+        """A(s) with all digits of its data."""
+        return self.A if self.elements is None else self.elements()
+
     def known(self, before: Harmonic | None) -> Harmonic:
         """The one before, of the same system, with all that it has computed, where both have the same contents."""
         if before is None:

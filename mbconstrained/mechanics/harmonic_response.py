@@ -134,7 +134,7 @@ def harmonic_equations(system, inputs, outputs, quantity, modal_damping, loss_fa
         A = PolynomialMatrix(coefficients, distinct, equations)
         delayed = delayed_unknowns(system, A.size)
         arrays = A, B, C, power, imaginary, sizes, input_names, output_names, table, quantity
-        return Harmonic(*arrays, delayed=delayed, output_quantities=kinds, elements=_by_elements(system, coefficients))
+        return Harmonic(*arrays, delayed=delayed, output_quantities=kinds, elements=by_elements(system, coefficients))
     table = np.array([[ratio(other, one.unit) for other in below] for one in known_outputs])
     m, size = B.shape[1], len(B)
     wide = [np.pad(matrix, ((0, m), (0, m))) for matrix in coefficients]
@@ -145,7 +145,7 @@ def harmonic_equations(system, inputs, outputs, quantity, modal_damping, loss_fa
     sizes = None if sizes is None else np.array([np.pad(matrix, pad) for matrix in sizes])
     select, delayed = np.eye(size + m)[size:], delayed_unknowns(system, size + m)
     arrays = A, select.T, select, 0, imaginary, sizes, output_names, input_names, table.T, quantity
-    return Harmonic(*arrays, delayed=delayed, elements=_by_elements(system, wide))
+    return Harmonic(*arrays, delayed=delayed, elements=by_elements(system, wide))
 
 
 def delayed_unknowns(system: EquationsOfMotion, size: int) -> tuple[DelayedTerm, ...]:
@@ -292,7 +292,7 @@ def saddle_point(
     return coefficients, None if H is None else np.pad(H, (0, len(A))), sizes
 
 
-def _by_elements(system: EquationsOfMotion, coefficients: Sequence[np.ndarray]) -> Callable[[], PolynomialMatrix] | None:
+def by_elements(system: EquationsOfMotion, coefficients: Sequence[np.ndarray]) -> Callable[[], PolynomialMatrix] | None:
     """A(s) with the elements of the system in the place of its assembled matrices; None where it has none."""
     return partial(_of_elements, system, coefficients) if any(isinstance(one, ElementMatrix) for one in system.given) else None
 
@@ -481,7 +481,7 @@ def steady_state(
     C = np.vstack([np.diag(np.repeat([1.0, -1.0], [n, len(rows)])) @ np.eye(len(names), len(B)), of_outputs])
     answers, errors = np.zeros((len(C), len(omegas)), dtype=complex), np.zeros(len(omegas))
     labels, outputs = ("real part", "imaginary part"), (*names, *(one.name for one in further))
-    elements = _by_elements(system, coefficients)
+    elements = by_elements(system, coefficients)
     delayed, count, f = delayed_unknowns(system, A.size), len(names), np.array(omegas) / (2 * np.pi)
     for columns, weights, lines in _alike([B @ loads[omega] for omega in omegas], f):
         m = columns.shape[1]

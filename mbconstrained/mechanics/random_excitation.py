@@ -14,7 +14,7 @@ from ..ground.errors import InputError
 from ..polynomial.polynomial_matrix import PolynomialMatrix
 from .channels import MOTIONS, Channel, OutputNames, channels, chosen_by_name, row_channels, support_of
 from .equations import EquationsOfMotion
-from .harmonic_response import delayed_unknowns, saddle_point, with_outputs
+from .harmonic_response import by_elements, delayed_unknowns, saddle_point, with_outputs
 
 #: Quantities of outputs that are named alone.
 QUANTITIES = ("displacement", "velocity", "acceleration", "reaction", "force", "elongation")
@@ -61,6 +61,7 @@ def random_response(
         notices=system.notices,
         delayed=delayed_unknowns(system, A.size),
         output_quantities=tuple(one.quantity for one in chosen),
+        elements=by_elements(system, coefficients),
     )
     return RandomResponse(harmonic, spectra)
 

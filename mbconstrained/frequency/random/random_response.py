@@ -139,7 +139,9 @@ def _with_filters(harmonic: Harmonic, spectra: SpectralMatrix) -> tuple[Harmonic
     if imaginary is not None:
         imaginary = np.pad(imaginary, (0, extra))
     outputs = np.pad(harmonic.outputs, ((0, 0), (0, extra)))
-    extended = replace(harmonic, A=PolynomialMatrix(coefficients), inputs=inputs, outputs=outputs, imaginary=imaginary, sizes=sizes)
+    extended = replace(
+        harmonic, A=PolynomialMatrix(coefficients), inputs=inputs, outputs=outputs, imaginary=imaginary, sizes=sizes, elements=None
+    )
     return extended, replace(spectra, spectra=tuple(white))
 
 

@@ -57,7 +57,7 @@ class ExactVariance:
                 "enclose: not available with structural damping, which is no rational function of s; give viscous damping"
             )
         self.spectra, self.power = spectra, flint.fmpq_poly([0, 1]) ** harmonic.power
-        matrix = known_matrix(harmonic.A)
+        matrix = known_matrix(harmonic.exact)
         self.denominator = matrix.determinant
         self.outputs = [[rational(entry) for entry in row] for row in harmonic.outputs.tolist()]
         self.solutions = [matrix.numerators([polynomial([entry]) for entry in column]) for column in harmonic.inputs.T.tolist()]
@@ -69,7 +69,7 @@ class ExactVariance:
 
     def initial_numerators(self, harmonic: Harmonic, size: int) -> list[list[flint.fmpq_poly]]:
         """det A(s) times the transforms of the outputs from displacements, then velocities, of 1 at 0-, for each output a column."""
-        matrix, columns = known_matrix(harmonic.A), []
+        matrix, columns = known_matrix(harmonic.exact), []
         for order in range(2):
             for i in range(size):
                 b = [

@@ -1,6 +1,7 @@
 """Variances and spectral moments of close, weakly coupled and lightly damped modes: against the Lyapunov equation in rational arithmetic."""
 
 import flint
+import mpmath as mp
 import numpy as np
 import pytest
 
@@ -94,3 +95,33 @@ def test_estimates_of_larger_models_contain_the_error_of_weak_couplings(coupling
     exact = R.enclose().lower.astype(float)
     assert (np.abs(R.covariance.diagonal() - exact) <= R.error_estimate * exact).all()
     assert any("no digit" in notice.text for notice in R.notices) == (R.error_estimate[1] == np.inf)
+
+
+def test_variances_are_those_of_the_springs_and_dampers_of_a_model():
+    """135.31 + 0.46 N/m is rounded in the matrix, 0.46 N/m and its damper are not; variances by the Lyapunov equation in 50 digits."""
+    model = mb.LumpedModel()
+    model.mass("a", 1.0)
+    model.mass("b", 2.5)
+    model.spring("ground", "a", 0.46)
+    model.spring("a", "b", 135.31)
+    model.damper("ground", "a", 0.00085371)
+    model.damper("a", "b", 0.25111944)
+    response = model.assemble().random_response({"a": mb.white_noise(1.0), "b": mb.white_noise(2.0)})
+    with mp.workdps(50):
+        k, c = ([mp.mpf(value) for value in pair] for pair in ((0.46, 135.31), (0.00085371, 0.25111944)))
+        rows = [[mp.mpf(0)] * 2 + [mp.mpf(i == j) for j in range(2)] for i in range(2)]
+        for i, mass in enumerate((mp.mpf(1), mp.mpf(2.5))):
+            rows.append(
+                [-entry / mass for one in (k, c) for entry in ([one[0] + one[1], -one[1]] if i == 0 else [-one[1], one[1]])]
+            )
+        S, noise = mp.matrix(rows), mp.diag([0, 0, mp.mpf(1) / 2, mp.mpf(1) / mp.mpf(2.5) ** 2])
+        equations, right = mp.zeros(16), mp.matrix(16, 1)
+        for i in range(4):
+            for j in range(4):
+                right[4 * i + j] = -noise[i, j]
+                for m in range(4):
+                    equations[4 * i + j, 4 * m + j] += S[i, m]
+                    equations[4 * i + j, 4 * i + m] += S[j, m]
+        P = mp.lu_solve(equations, right)
+        true = np.array([float(P[0]), float(P[5])])
+    assert (np.abs(response.covariance.diagonal() / true - 1) <= response.error_estimate).all()
