@@ -232,17 +232,20 @@ __all__.sort()
 
 #: Functions of other packages, and methods, that are expected of this module.
 _INSTEAD = {
+    "TransferFunction": "mb.StateSpace.from_transfer_function",
     "bode": "system.frequency_response(...).plot()",
     "eig": "system.modes()",
     "frf": "system.frequency_response(...)",
     "load": "mb.read_scene",
     "load_scene": "mb.read_scene",
+    "mac": 'mb.read_scene("FILE.toml").mac(other="OTHER.toml")',
     "modes": "system.modes()",
     "plot": "motion.plot()",
     "random_response": "system.random_response(...)",
     "run": 'mb.read_scene("FILE.toml").run()',
     "simulate": "system.solve(...)",
     "sine": "mb.harmonic",
+    "srs": "mb.shock_response_spectrum",
     "sweep": "scene.sweep(...)",
 }
 
@@ -268,4 +271,4 @@ def __getattr__(name: str):
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__, "__version__"})
+    return sorted([*__all__, "__version__"])

@@ -26,8 +26,11 @@ from ..mechanics.rotating import (
     unbalance_response,
     with_resonances,
 )
+from ..page.animation import ModePicture, Shapes, cycle
 from ..page.content import Curve, Guide, Marks, Plot, axis_of, curve_with_gaps
 from ..page.figure import PALETTE
+from ..scene.run.drawing import ShapeDrawing
+from ..scene.run.stages import is_animated
 from ..scene.schema.analysis_tables import CampbellTable, OrdersTable
 from .base import Analysis, Answer
 
@@ -92,6 +95,7 @@ class CampbellDiagram(Analysis):
             plots=own.plots,
             most_rows=None,
             keys=(),
+            on_page=lambda: own.on_page(scene),
         )
 
 
@@ -240,6 +244,21 @@ class SpeedDiagram:
                 yield from self._amplitudes(unit)
             yield self._waterfall()
 
+    def on_page(self, scene: Scene) -> dict[str, Any]:
+        """The shapes at the critical speeds, drawn as the model of the run, whose list is the table of these speeds."""
+        names, critical, (table, *others) = scene.equations.coordinates.names, self.critical, self.tables()
+        if not critical or not is_animated(scene) or tuple(self.diagram.system.names) != names:
+            return {}
+        swinging = ShapeDrawing(scene, [one.shape for one in critical])
+        pictures = []
+        for one, row in zip(critical, table.rows):
+            factor, facts = swinging.amplitude(one.shape), tuple(zip(table.columns, row))
+            paths, period = swinging.paths(one.shape, factor), 2 * np.pi / abs(one.eigenvalue.imag)
+            name = f"{row[1]} rev/min, order {row[0]}"
+            pictures.append(ModePicture(name, facts[2:], values=cycle(one.shape), paths=paths, period=period, scale=factor))
+        drawing = replace(swinging.drawing, posing=None)
+        return {"tables": tuple(others), "animation": Shapes(drawing, names, tuple(pictures), "critical speed")}
+
     def _modes(self, title: str, unit: str, values: np.ndarray, quantity: str, **more) -> Plot:
         """A curve for each mode, with the dashes of its whirl."""
         turns, colors = self.diagram.system.turns, len(PALETTE)
@@ -282,7 +301,7 @@ class SpeedDiagram:
         for number, name in enumerate(names):
             peaks = [one for one in response.peaks if one.coordinate == name and factor * one.amplitude > least]
             points = np.array([(one.speed / RPM, factor * one.amplitude) for one in peaks if np.isfinite(one.amplitude)])
-            texts = (f"{name}: {y:.5g} {text} at {x:.6g} rev/min" for x, y in points)
+            texts = (f"{name}: {with_unit(float(f'{y:.5g}'), text)} at {x:.6g} rev/min" for x, y in points)
             marks += [Marks("", points, tuple(texts), curve=number)] if len(points) else []
         note = f"The steady state at each constant speed, order {self.orders[0]:g}; circles are peaks."
         title = f"{'Displacements' if unit == 'm' else 'Angles'} under unbalance"
@@ -306,7 +325,7 @@ class SpeedDiagram:
         heights = np.minimum(heights, top) * (HIGHEST * (turns[-1] - turns[0]) / max(len(turns) - 1, 1) / top)
         right = axis_of(0.0, 1.06 * max(self.orders) * turns[-1] / 60).high
         x, y = _spectra(turns, np.multiply.outer(list(self.responses), turns / 60), heights, HALF_WIDTH * right, right)
-        note = f"Each line is the spectrum of the steady state at one constant speed, the highest peak {factor * top:.3g} {unit}: a run-up so slow"
+        note = f"Each line is the spectrum of the steady state at one constant speed, the highest of these peaks {with_unit(float(f'{factor * top:.3g}'), unit)}: a run-up so slow"
         note += " that every speed has its steady state. The motion while the speed rises at a finite rate is another one."
         if set(self.orders) != {1.0}:
             note += " Orders other than 1 have a force of the size of the unbalance's, at their multiple of the speed."

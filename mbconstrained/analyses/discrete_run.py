@@ -150,7 +150,7 @@ class DiscreteRunAnswer(RunAnswer):
         rows = []
         h = self.scene.table.time.step
         for z in self._eigenvalues_z:
-            hz = number_text(abs(np.angle(z)) / (2 * np.pi * h)) if z.imag or z.real < 0 else "-"
+            hz = number_text(abs(np.angle(z)) / (2 * np.pi * h)) if z.imag or z.real < 0 else "–"
             change = "grows" if abs(z) > 1 + EPS**0.5 else "stays" if abs(z) > 1 - EPS**0.5 else "decays"
             rows.append((_complex_text(z), number_text(abs(z)), hz, change))
         shown = self._coordinates.shown

@@ -268,7 +268,7 @@ def shape_entries(shape: np.ndarray, coordinates: Coordinates) -> list[str]:
     >>> shape_entries(np.array([1.0, -0.5]), Coordinates(("cart", "crank"), ("m", "rad")))
     ['cart 1 m', 'crank -0.5 rad']
     >>> shape_entries(np.array([1.0, -0.5j]), Coordinates(("cart", "load"), ("m", "m")))
-    ['cart 1 m', 'load 0.5 m at -90 deg']
+    ['cart 1 m', 'load 0.5 m at -90°']
     """
     cells = shape_cells(shape, coordinates)
     listed = [f"{name} {entry}" for name, entry in cells[:MOST_ENTRIES]]
@@ -287,7 +287,7 @@ def _entry(value: complex, unit: str) -> str:
     phase = round(float(np.degrees(np.angle(value))), PHASE_DIGITS)
     if abs(phase) in (0.0, 180.0):
         return with_unit(float(f"{-abs(value) if phase else abs(value):.4g}"), unit)
-    return f"{with_unit(float(f'{abs(value):.4g}'), unit)} at {phase:g} deg"
+    return f"{with_unit(float(f'{abs(value):.4g}'), unit)} at {phase:g}°"
 
 
 def _packed(label: str, entries: Iterable[str]) -> list[str]:

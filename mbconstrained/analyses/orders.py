@@ -376,7 +376,7 @@ class _RunUp:
 
     def columns(self) -> dict[str, np.ndarray]:
         """Largest and RMS values and the amplitude of each order over the speed, in the units shown."""
-        result = {"speed (rpm)": self.speeds / RPM}
+        result = {"speed (rev/min)": self.speeds / RPM}
         for i, (name, unit) in enumerate(zip(self.outputs, self.units)):
             text, factor = self.shown.of(unit)
             result[f"largest {name} ({text})"], result[f"RMS {name} ({text})"] = factor * self.largest[i], factor * self.rms[i]

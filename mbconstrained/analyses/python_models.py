@@ -188,6 +188,8 @@ def plot(motion: Response, axes=None, quantity: str = "displacement", **options)
     """Draw the curves of a quantity into axes of Matplotlib."""
     result = result_of(motion, plots=[quantity], **options)
     curves = result.curves(quantity)
+    if not (axes is None or hasattr(axes, "plot")):
+        raise InputError(f"axes: found {axes!r}; expected axes of Matplotlib; the last time has a name: plot(end=10)")
     axes = new_axes() if axes is None else axes
     for name, values in zip(curves.names, curves.values):
         axes.plot(result.times, values, label=name)

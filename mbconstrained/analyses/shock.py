@@ -17,7 +17,7 @@ from ..ground.errors import InputError
 from ..ground.notices import Notice, NoticeKind, distinct
 from ..ground.units import rate_unit
 from ..mechanics.peaks import QUANTITIES, Peaks
-from ..page.content import Curve, Guide, Plot, Scale, power_label, raised
+from ..page.content import Curve, Guide, Plot, Scale, curve_with_gaps, power_label, raised
 from ..scene.build.data_files import record_in_si
 from ..scene.coordinates import OutputUnits
 from ..scene.file import at
@@ -34,6 +34,9 @@ if TYPE_CHECKING:
 
 #: Natural frequencies reach from these parts of the inverse duration of the shock to these of the inverse time between its knots.
 LOWEST, HIGHEST, HIGHEST_OF_RECORD = 0.1, 100.0, 0.5
+
+#: Values below this part of the largest are not drawn on logarithmic axes.
+SMALLEST = 1e-6
 
 #: Most decades of natural frequencies by default.
 DECADES = 4
@@ -212,8 +215,13 @@ class _Spectrum:
 
     def _plot(self, spectrum: ShockResponseSpectrum, title: str, parts: tuple[str, ...]) -> Plot:
         unit, factor = self._shown(spectrum)
-        curves = tuple(Curve(part, factor * getattr(spectrum, part), i) for i, part in enumerate(parts))
-        scale: Scale = "log" if any((curve.values > 0).any() for curve in curves) else "linear"
+        values = [factor * getattr(spectrum, part) for part in parts]
+        least, is_zero = SMALLEST * max(row.max() for row in values), not np.any(values)
+        scale: Scale = "linear" if is_zero else "log"
+        curves = tuple(
+            curve_with_gaps(part, row if is_zero else np.where(row > least, row, np.nan), i)
+            for i, (part, row) in enumerate(zip(parts, values))
+        )
         quantity = spectrum.quantity.split(" ")[-1]  # the title has the whole of it
         f = spectrum.frequencies_hz
         return Plot(title, unit, f, curves, across_unit="Hz", quantity=quantity, variable="frequency", scales=("log", scale))

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 from numbers import Number
+from typing import ClassVar
 
 import numpy as np
 
@@ -22,6 +23,15 @@ from .rational import RationalFunction, scalar_matrix
 
 class StateEquations(Displayed):
     """Data of a ``StateSpace``, without the answers to questions about it."""
+
+    _instead: ClassVar = {
+        "bode": "frequency_response(...).plot",
+        **dict.fromkeys(("eigenvalues", "poles"), "frequency_response(...).poles"),
+        **dict.fromkeys(("impulse_response", "simulate", "step_response"), "solve"),
+        **dict.fromkeys(
+            ("closed_loop", "feedback", "series"), "connect systems with python-control: to_control, then StateSpace.from_control"
+        ),
+    }
 
     def __init__(
         self,

@@ -32,22 +32,19 @@ class FormulaParameter:
 
 
 @dataclass(frozen=True)
-class Impulse:
-    """factor times the derivative of this order of Dirac's delta at a time, in a coordinate."""
-
-    name: str
-    order: int
-    factor: sympy.Expr
-    time: sympy.Expr = sympy.S.Zero
-
-
-@dataclass(frozen=True)
 class Jump:
     """Jump of the derivative of this order of a coordinate at t = 0."""
 
     name: str
     order: int
     size: sympy.Expr
+
+
+@dataclass(frozen=True)
+class Impulse(Jump):
+    """size times the derivative of this order of Dirac's delta at a time, in a coordinate."""
+
+    time: sympy.Expr = sympy.S.Zero
 
 
 @dataclass(frozen=True)
@@ -104,17 +101,13 @@ class ClosedForm:
     @property
     def quantities(self) -> list[sympy.Expr]:
         """The expressions of the coordinates, their impulses and their jumps."""
-        impulses = [part for each in self.impulses for part in (each.factor, each.time)]
-        return [*map(sympy.sympify, (*self.values, *impulses, *(each.size for each in self.jumps)))]
+        parts = [*self.values, *(each.size for each in (*self.impulses, *self.jumps)), *(each.time for each in self.impulses)]
+        return [sympy.sympify(part) for part in parts]
 
     def mapped(self, change: Callable[[sympy.Expr], sympy.Expr]) -> ClosedForm:
         """The formula with another expression for each coordinate, factor of an impulse and jump."""
-        return replace(
-            self,
-            values=tuple(map(change, self.values)),
-            impulses=tuple(replace(each, factor=change(each.factor)) for each in self.impulses),
-            jumps=tuple(replace(each, size=change(each.size)) for each in self.jumps),
-        )
+        impulses, jumps = ([replace(each, size=change(each.size)) for each in kind] for kind in (self.impulses, self.jumps))
+        return replace(self, values=tuple(map(change, self.values)), impulses=tuple(impulses), jumps=tuple(jumps))
 
     @property
     def step_note(self) -> str:
@@ -319,9 +312,8 @@ def _radicands(rows: list[list[Term]], names: dict) -> dict[sympy.Expr, Shorthan
 
 def _rate(part: sympy.Expr, t: sympy.Symbol) -> tuple[str, sympy.Expr]:
     """Whether a function of rate times t, and which: "w" or "a", or an empty text."""
-    if not isinstance(part, (sympy.exp, TrigonometricFunction, HyperbolicFunction)) or not part.has(t):
-        return "", sympy.S.Zero
-    line = _linear(part.args[0], t)
+    moves = isinstance(part, (sympy.exp, TrigonometricFunction, HyperbolicFunction)) and part.has(t)
+    line = _linear(part.args[0], t) if moves else None
     if not line:
         return "", sympy.S.Zero
     rate = -line[0] if line[0].could_extract_minus_sign() else line[0]
@@ -388,7 +380,7 @@ class Layout:
         form = self.form
         known = {other for each in form.positive for other in (each, -each, sympy.expand(-each))}
         assumptions = [each for each in form.assumptions if each not in known and sympy.expand(each) not in known]
-        impulses = [(each.name, each.order, self.number(each.factor), self.number(each.time)) for each in form.impulses]
+        impulses = [(each.name, each.order, self.number(each.size), self.number(each.time)) for each in form.impulses]
         return {
             "jumps": [[Derivative(each.name, each.order), " jumps at t = 0 by ", self.number(each.size)] for each in form.jumps],
             "impulses": [

@@ -118,7 +118,7 @@ class RootPolynomials:
 
 def eliminated(ring: PolynomialRing, adjugate, determinant: Polynomial, p: Polynomial, multiplicity: int) -> list[RootPolynomials]:
     """The terms of adjugate / determinant at the zeros of p, ascending lengths; one entry of each right column is 1."""
-    common = 0 if multiplicity == 1 else min(_valuation(e, p) for row in adjugate for e in row if e)
+    common = 0 if multiplicity == 1 else min(valuation(e, p) for row in adjugate for e in row if e)
     k = multiplicity - common
     others = ring.inverse(determinant // p**multiplicity % p**k, p**k)
     rows = [[entry // p**common % p**k * others % p**k for entry in row] for row in adjugate]
@@ -144,7 +144,7 @@ def _elimination(ring: PolynomialRing, rows, p: Polynomial, k: int) -> Iterator[
         yield a, right, left, unit % p
 
 
-def _valuation(entry: Polynomial, p: Polynomial) -> int:
+def valuation(entry: Polynomial, p: Polynomial) -> int:
     """The highest power of p that divides an entry other than zero."""
     power = 0
     while True:
@@ -160,7 +160,7 @@ def _pivot(ring: PolynomialRing, rows, p: Polynomial) -> tuple[int, int, int] | 
     for i, row in enumerate(rows):
         for j, entry in enumerate(row):
             if entry:
-                a = _valuation(entry, p)
+                a = valuation(entry, p)
                 unit = entry // p**a
                 key = (a, (unit % p).degree(), ring.weight(unit), i, j)
                 best = key if best is None or key < best else best

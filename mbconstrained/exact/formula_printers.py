@@ -453,7 +453,7 @@ def records(form: ClosedForm, digits: int | None = None) -> dict:
             for name in form.names
         },
         "impulses": [
-            {"of": each.name, "order": each.order, "time": text_of(each.time), "factor": text_of(each.factor)}
+            {"of": each.name, "order": each.order, "time": text_of(each.time), "factor": text_of(each.size)}
             for each in form.impulses
         ],
         "jumps": [{"of": printer.part(Derivative(each.name, each.order)), "size": text_of(each.size)} for each in form.jumps],

@@ -98,11 +98,6 @@ def _minor_divisor(matrix: RationalMatrix) -> flint.fmpq_poly:
 MOST_SETS = 400
 
 
-def exact_matrix(coefficients: np.ndarray) -> RationalMatrix:
-    """A(s) of Fractions, or of floats taken as exact, shape (q + 1, m, n)."""
-    return RationalMatrix([rational_matrix(matrix) for matrix in coefficients])
-
-
 def whole_basis(matrix: RationalMatrix) -> list[np.ndarray]:
     """A minimal basis of the right kernel: vectors of whole numbers without a common divisor, shape (degree + 1, n)."""
     return [whole(vector) for vector in minimal_basis(matrix)]
@@ -142,7 +137,7 @@ def minor_zeros(vectors: Sequence[np.ndarray], rows: Sequence[int], noise: float
     With vectors known to a relative error ``noise`` coefficients below this part of what the rows allow are zero.
     """
     minor = stacked(vectors)[:, list(rows)]
-    determinant = [fraction(c) for c in RationalMatrix(minor.tolist()).determinant.coeffs()]
+    determinant = [fraction(c) for c in RationalMatrix(minor).determinant.coeffs()]
     least = Fraction(noise) * prod(np.abs(minor).max(axis=(0, 1)).tolist())
     while determinant and abs(determinant[-1]) <= least:
         determinant.pop()
@@ -199,7 +194,7 @@ def _any_rows(vectors: Sequence[np.ndarray], required: Sequence[int]) -> tuple[i
 
 def independent_rows(vectors: Sequence[np.ndarray], rows: Sequence[int]) -> int:
     """The rank of some rows of polynomial columns."""
-    return exact_matrix(stacked(vectors)[:, list(rows)]).rank if rows and vectors else 0
+    return RationalMatrix(stacked(vectors)[:, list(rows)]).rank if rows and vectors else 0
 
 
 def combinations_without_zeros(vectors: Sequence[np.ndarray]) -> np.ndarray | None:

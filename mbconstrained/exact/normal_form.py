@@ -94,7 +94,7 @@ def _parts(A, B, F) -> tuple[np.ndarray, np.ndarray, ExactInfinitePart | None]:
         return _identity(n), _inverse(F), None
     try:
         names = [f"row {i + 1}" for i in range(n)], [f"x{i + 1}" for i in range(n)]
-        pairs = ExactJordanPairs(regular(RationalMatrix([(-A).tolist(), F.tolist()]), *names))
+        pairs = ExactJordanPairs(regular(RationalMatrix([-A, F]), *names))
     except SingularPolynomialMatrix as problem:
         text = f"no mechanical normal form, A(s) = s F - A: {problem}"
         raise NoNormalForm(text, condition="descriptor", rank=_rank(F), needed=n) from None

@@ -251,14 +251,15 @@ class RationalMatrix(ExactMatrix):
     Computations take W(s) = diag(factors) A(s), whose rows have whole coefficients without a common divisor.
 
     Args:
-        coefficients: A_0 ... A_q as matrices of FLINT, or as nested lists of ints, floats (the exact numbers that they are) or Fractions.
+        coefficients: A_0 ... A_q as matrices of FLINT, or as arrays or nested lists of ints, floats (the exact numbers that they are) or
+            Fractions.
     """
 
     ring = RATIONALS
 
-    def __init__(self, coefficients: Sequence):
+    def __init__(self, coefficients: Sequence | np.ndarray):
         self.coefficients = tuple(
-            matrix if isinstance(matrix, flint.fmpq_mat) else flint.fmpq_mat([[rational(entry) for entry in row] for row in matrix])
+            matrix if isinstance(matrix, flint.fmpq_mat) else rational_matrix(np.array(matrix, dtype=object))
             for matrix in coefficients
         )
         self.size = self.coefficients[0].nrows()
@@ -267,11 +268,6 @@ class RationalMatrix(ExactMatrix):
 
     def __repr__(self) -> str:
         return f"RationalMatrix(degree={self.degree}, size={self.size})"
-
-    @classmethod
-    def of(cls, A: PolynomialMatrix) -> RationalMatrix:
-        """The entries of A(s) as exact numbers; for a matrix given by its elements those of the elements."""
-        return cls([rational_matrix(matrix) for matrix in A.exact_coefficients])
 
     @cached_property
     def entries(self) -> list[list[flint.fmpq_poly]]:
@@ -398,9 +394,9 @@ def regular_matrix(A: PolynomialMatrix) -> RationalMatrix:
 
 
 def known_matrix(A: PolynomialMatrix) -> RationalMatrix:
-    """A(s) with its entries as exact numbers, converted once."""
+    """A(s) with its entries as exact numbers, for a matrix given by its elements those of the elements; converted once."""
     if A not in _KNOWN:
-        _KNOWN[A] = RationalMatrix.of(A)
+        _KNOWN[A] = RationalMatrix(A.exact_coefficients)
     return _KNOWN[A]
 
 

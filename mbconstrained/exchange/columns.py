@@ -376,7 +376,7 @@ class _RowReader:
         if open_mark and self.separator == ",":
             raise InputError(
                 f"{self.path.name}: all commas in its numbers may begin decimals or stand between thousands; give decimal, "
-                '"," or "."'
+                '"," or ".", or write them with points'
             )
         values = np.array(numbers).reshape(-1, self.columns)
         notes = (f"{self.example[1]!a} in line {self.example[0]} is read as {self.example[2]:.12g}",) if self.example[0] else ()

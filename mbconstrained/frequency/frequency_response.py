@@ -252,7 +252,7 @@ class FrequencyResponse(Pictured):
         *,
         amplitude: Literal["log", "linear", "dB"] = "log",
         unwrapped: bool = True,
-        axis: Literal["Hz", "rad/s", "rpm"] = "Hz",
+        axis: Literal["Hz", "rad/s", "rev/min", "rpm"] = "Hz",
         peaks: bool = True,
     ):
         """Draw the response with matplotlib: a row of axes for each output, a column for each input.
@@ -387,7 +387,8 @@ def evaluated(harmonic: Harmonic, frequencies_hz) -> FrequencyResponse:
         total, size = form.finite_part(s if pole is None else pole.value, pole)
         gaps = np.abs(s - np.array([one.value for one in form.poles if pole is None or one.value != pole.value], dtype=complex))
         moved = abs(s) / max(gaps.min(initial=np.inf), EPS * abs(s)) if s else 1.0  # the change by an error of the nearest pole
-        own = SUM_SAFETY * NOISE * np.maximum(size / np.maximum(np.abs(total), np.finfo(float).tiny), moved)
+        with np.errstate(over="ignore"):
+            own = SUM_SAFETY * NOISE * np.maximum(size / np.maximum(np.abs(total), np.finfo(float).tiny), moved)
         if pole is not None:
             own[pole.residues.any(axis=0)] = np.inf
         if harmonic.input_delays:
@@ -423,7 +424,9 @@ def _enclose_doubtful(harmonic: Harmonic, frequencies: np.ndarray, H: np.ndarray
     """Replace inaccurate values, next to sharp peaks, by those of the exact engine, the worst first, as far as its time allows."""
     worst = errors.max(axis=(0, 1), initial=0.0)
     doubtful = np.flatnonzero(~(worst <= 2 * LINE_ACCURACY) & np.isfinite(frequencies))
-    if not len(doubtful) or harmonic.left_out:
+    if (
+        not len(doubtful) or harmonic.sizes is not None
+    ):  # coefficients that are computed, such as damping of modes, are no exact data
         return
     size, inputs = harmonic.A.size, harmonic.inputs.shape[1]
     most = ENCLOSING // (size**2 * (size + 8 * inputs))
@@ -443,7 +446,8 @@ def _enclosed(harmonic: Harmonic, frequency_hz: float, digits: int) -> Enclosure
     from ..exact.enclosure.intervals import enclosed_transfer
 
     own = harmonic
-    matrices = own.A, own.imaginary, own.inputs, own.outputs, own.power
+    A = own.A if own.elements is None else own.elements()
+    matrices = A, own.imaginary, own.inputs, own.outputs, own.power
     return enclosed_transfer(*matrices, frequency_hz, digits, own.delayed, own.input_delays)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from copy import copy
 from dataclasses import dataclass, field, fields
@@ -78,8 +78,11 @@ class Lines:
 class StructuredSolver:
     """C A(i w)^-1 B by elimination along the pattern of A(s)."""
 
-    def __init__(self, coefficients, inputs, outputs, sizes=None, delayed: Sequence[DelayedTerm] = ()):
-        """The matrices of one transfer function, A(s) with its delayed terms."""
+    def __init__(
+        self, coefficients, inputs, outputs, sizes=None, delayed: Sequence[DelayedTerm] = (), *, is_assembled: bool = False
+    ):
+        """The matrices of one transfer function, A(s) with its delayed terms; coefficients that are assembled are rounded."""
+        self.is_assembled = is_assembled
         coefficients = np.asarray(coefficients)
         self.powers, self.delays = np.arange(len(coefficients)), np.zeros(len(coefficients))
         largest = np.abs(coefficients)
@@ -214,6 +217,8 @@ class StructuredSolver:
         """Steps of refinement with residuals in extended precision, and the error after them."""
         unit, X = float(np.finfo(np.longdouble).eps), X.astype(np.clongdouble)
         rounding = LINE_ROUNDING * (unit * self.sizes + EPS * (self.sizes - np.abs(self.coefficients)))
+        if self.is_assembled:
+            rounding = rounding + EPS / 2 * np.abs(self.coefficients)
         functions, sizes, residual, error = self.function_sizes(nu), np.abs(Z), self.residual(nu, X), np.inf
         for _ in range(STEPS):
             X = X - solver.solved(residual.astype(complex))
@@ -416,6 +421,8 @@ class _Eliminated:
     def bound(self, X, sizes, right, left) -> np.ndarray:
         """A bound of |Z|^T ``terms`` by the factors: u (|L^T| |Z|)^T |D| |U| |X| and the same of A, shape (p, m, F)."""
         solver, pattern, memory = self.solver, self.pattern, self.memory
+        if len(solver.outputs) * X.shape[1] >= BY_MATRICES:  # two such products take longer than the terms
+            return _bilinear(sizes[:, left], self.terms(X))
         W = np.abs(self.W, out=memory.array("W size", self.W.shape))
         roots = np.reciprocal(W[: solver.size], out=W[: solver.size])
         np.sqrt(roots, out=roots)
@@ -516,6 +523,7 @@ class Harmonic:
         input_delays: dead time of each input in s, H_j(s) e^(-s delay_j); empty for none. Poles, residues, polynomial part and the
             solver are those without it.
         output_quantities: the quantity of each output; empty where all have that of the response.
+        elements: returns A(s) by the elements that A is assembled from; None where A is the data.
     """
 
     A: PolynomialMatrix
@@ -533,6 +541,7 @@ class Harmonic:
     delayed: tuple[DelayedTerm, ...] = ()
     input_delays: tuple[float, ...] = ()
     output_quantities: tuple[str, ...] = ()
+    elements: Callable[[], PolynomialMatrix] | None = None
 
     def quantity_of(self, outputs: Sequence[int] | None = None) -> str:
         """The quantities of all outputs, or of some by their places, as text."""
@@ -556,10 +565,12 @@ class Harmonic:
         return self.A.coefficients + 1j * np.array([self.imaginary, *np.zeros_like(self.A.coefficients[1:])])
 
     def known(self, before: Harmonic | None) -> Harmonic:
-        """The one before, with all that it has computed, where both have the same contents."""
+        """The one before, of the same system, with all that it has computed, where both have the same contents."""
         if before is None:
             return self
-        pairs = [(getattr(self, part.name), getattr(before, part.name)) for part in fields(self) if part.name != "A"]
+        pairs = [
+            (getattr(self, part.name), getattr(before, part.name)) for part in fields(self) if part.name not in ("A", "elements")
+        ]
         pairs += [
             (getattr(self.A, name), getattr(before.A, name)) for name in ("coefficients", "uncertainty", "coordinates", "equations")
         ]
@@ -568,7 +579,9 @@ class Harmonic:
     @cached_property
     def solver(self) -> StructuredSolver:
         """Solutions at given lines."""
-        return StructuredSolver(self.coefficients, self.inputs, self.outputs, self.sizes, self.delayed)
+        return StructuredSolver(
+            self.coefficients, self.inputs, self.outputs, self.sizes, self.delayed, is_assembled=self.elements is not None
+        )
 
     def check(self, frequencies: np.ndarray) -> None:
         """Raise an InputError for frequencies beyond the range of the computation."""

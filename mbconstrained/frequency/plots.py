@@ -17,13 +17,18 @@ from ..ground.tolerances import EPS
 KINDS = ("bode", "nyquist", "parts")
 
 #: Values of 1 Hz by the unit of the axis.
-AXIS_FACTORS = {"Hz": 1.0, "rad/s": 2 * np.pi, "rpm": 60.0}
+AXIS_FACTORS = {"Hz": 1.0, "rad/s": 2 * np.pi, "rev/min": 60.0, "rpm": 60.0}
 
 #: Most peaks of one response that are marked: more labels cover each other.
 MOST_PEAKS = 8
 
 #: A range of frequencies below this factor has labels between the powers of ten, too.
 FEW_DECADES = 12.0
+
+
+def shown_axis(unit: str) -> str:
+    """The unit of an axis as it is printed, which has one spelling."""
+    return "rev/min" if unit == "rpm" else unit
 
 
 @dataclass(frozen=True)
@@ -39,6 +44,7 @@ class PlotStyle:
     def __post_init__(self):
         check_known(self.amplitude, ("log", "linear", "dB"), "amplitude")
         check_known(self.axis, AXIS_FACTORS, "axis")
+        object.__setattr__(self, "axis", shown_axis(self.axis))
 
     def shown(self, size):
         """Amplitudes as plotted."""

@@ -48,8 +48,8 @@ class PoleOnLine:
     pole: Pole  # with order and residues; entries of ``values`` are the finite part there, H without the terms of the pole
 
 
-#: Lines that are summed at once: their terms stay near the processor.
-LINES = 512
+#: Terms that are summed at once: they stay near the processor, and larger arrays would be new pages of memory each time.
+TERMS = 1 << 15
 
 
 # H(i w) of K + C s + M s^2 with symmetric K and M > 0 as a sum over modes, for many lines of full matrices.
@@ -95,13 +95,14 @@ class ModalSum:
         shape = (len(self.outputs), self.inputs.shape[1], len(s))
         terms = (self.outputs[:, None] * self.inputs.T).reshape(-1, len(self.poles))
         total, scales, moduli = np.empty((len(terms), len(s)), dtype=complex), np.empty((len(terms), len(s))), np.abs(terms)
-        for begin in range(0, len(s), LINES):
-            at = slice(begin, begin + LINES)
+        count = max(1, TERMS // max(len(self.poles), 1))
+        for begin in range(0, len(s), count):
+            at = slice(begin, begin + count)
             with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-                inverse = 1 / np.subtract.outer(self.poles, s[at])
+                inverse = 1 / (s[at] - self.poles[:, None])
                 size = np.abs(inverse)
                 size *= 1 + np.abs(self.poles)[:, None] * size
-            total[:, at], scales[:, at] = terms @ -inverse, moduli @ size
+            total[:, at], scales[:, at] = terms @ inverse, moduli @ size
         return total.reshape(shape), scales.reshape(shape)
 
 

@@ -611,7 +611,7 @@ def shock_response_spectrum(
             times, values = _resampled(times, values, float(f.max()))
             text = f"the record is read as band-limited, resampled to {counted(len(times), 'sample')}"
         else:
-            text = 'the record is read as linear between its samples; interpolation="band-limited" reads it without frequencies above half of its rate'
+            text = 'the record is read as linear between its samples; interpolation "band-limited" reads it without frequencies above half of its rate'
         notices.append(Notice(NoticeKind.ACCURACY, text))
     if samples is None:
         each = [Oscillator(2 * np.pi * own, zeta) for own in f.tolist()]
@@ -636,8 +636,9 @@ def checked_oscillators(frequencies_hz, damping_ratio, quality_factor) -> tuple[
 def record_of_signal(signal: ImpulsiveSmooth) -> tuple[np.ndarray, np.ndarray] | None:
     """Times and values of a signal that is one record, None for another signal of one row."""
     if not isinstance(signal, ImpulsiveSmooth):
+        hint = "; give its .signal" if hasattr(signal, "signal") else ""
         raise InputError(
-            f"signal: found an object of type {type(signal).__name__}; expected an input such as mb.sampled(times, values)"
+            f"signal: found an object of type {type(signal).__name__}; expected an input such as mb.sampled(times, values){hint}"
         )
     if signal.size != 1:
         raise InputError(f"signal: found {signal.size} rows; expected the acceleration of the base in one row")

@@ -25,6 +25,7 @@ SYNONYMS = {
     **dict.fromkeys(("v", "v0", "velocities"), ("velocity",)),
     **dict.fromkeys(("damping", "zeta", "xi"), ("damping_ratio", "damping_ratios")),
     **dict.fromkeys(("H", "response"), ("values",)),
+    "Q": ("quality_factor",),
     **dict.fromkeys(("amplitude", "amplitudes", "value"), ("displacement_amplitudes", "vector")),
     **dict.fromkeys(("n", "num", "number"), ("count",)),
     **dict.fromkeys(("coordinates", "labels"), ("names",)),

@@ -221,7 +221,7 @@ def places_of(chosen: Iterable, names: Sequence[str], what: str) -> list[int]:
     for one in chosen:
         if isinstance(one, str):
             if one not in names:
-                raise InputError(f'there is no {what} "{one}"{nearest(one, names)}')
+                raise InputError(f'there is no {what} "{one}"{nearest(one, names) or f"; there are {listed(names, 20)}"}')
             indices.append(names.index(one))
         elif isinstance(one, bool) or not isinstance(one, (int, np.integer)) or not 0 <= one < len(names):
             raise InputError(f"{what}: found {one!r}; expected a name, or a whole number from 0 to {len(names) - 1}")

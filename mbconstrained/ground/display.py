@@ -169,13 +169,17 @@ def finite_or_none(value: float) -> float | None:
     return float(value) if math.isfinite(value) else None
 
 
-def with_unit(value: float, unit: str) -> str:
-    """A number with its unit; the unit 1 is not printed.
+#: The prefix u of a unit, which is printed as µ; files and scenes have u, a letter of every keyboard and encoding.
+MICRO = re.compile(r"\bu(?=(m|s|g|N|rad|Pa|V|A|J|W)\b)")
 
-    >>> with_unit(0.5, "m/s"), with_unit(0.5, "1"), with_unit(0.5, "1/s"), with_unit(0.5, "1 s")
-    ('0.5 m/s', '0.5', '0.5 1/s', '0.5 s')
+
+def with_unit(value: float, unit: str) -> str:
+    """A number with its unit as it is printed: no unit 1, no *, micro as µ.
+
+    >>> with_unit(0.5, "m/s"), with_unit(0.5, "1"), with_unit(0.5, "1/s"), with_unit(0.5, "1 s"), with_unit(2, "kg*um")
+    ('0.5 m/s', '0.5', '0.5 1/s', '0.5 s', '2 kg µm')
     """
-    return f"{number_text(value)} {'' if unit == '1' else unit.removeprefix('1 ')}".rstrip()
+    return f"{number_text(value)} {'' if unit == '1' else MICRO.sub('µ', unit.removeprefix('1 ').replace('*', ' '))}".rstrip()
 
 
 def table_text(table: TextTable, width: int = WIDTH) -> str:
@@ -216,7 +220,7 @@ def wrapped(text: str, width: int = WIDTH) -> str:
 
 def is_number(cell: str) -> bool:
     """Whether a text starts like a number, or is a dash or nothing."""
-    return re.match(r"[-+−]?(± ?)?\d|[-–—]?$", cell) is not None
+    return re.match(r"(≥ )?[-+−]?(± ?)?\d|[-–—]?$", cell) is not None
 
 
 #: Blanks at which no line ends: in a number, and between it and its unit.

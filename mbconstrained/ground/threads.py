@@ -7,8 +7,7 @@ other packages load.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import AbstractContextManager, nullcontext
 from functools import cache
 
 #: Below this size the library itself uses one thread.
@@ -26,21 +25,18 @@ def _libraries():
     return ThreadpoolController().select(user_api="blas")
 
 
-@contextmanager
-def one_thread(size: int) -> Iterator[None]:
+def one_thread(size: int) -> AbstractContextManager:
     """A context with one thread for the QR algorithm on matrices of this size; see ``short_work`` for other work.
 
     >>> with one_thread(100):
     ...     pass
     """
     if size < SMALL or all(library.num_threads == 1 for library in _libraries().lib_controllers):
-        yield
-        return
-    with _libraries().limit(limits=1):
-        yield
+        return nullcontext()
+    return _libraries().limit(limits=1)
 
 
-def short_work(size: int) -> AbstractContextManager[None]:
+def short_work(size: int) -> AbstractContextManager:
     """A context with one thread where products and factorizations of this size are too short for several.
 
     >>> with short_work(2000):

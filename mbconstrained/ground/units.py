@@ -201,7 +201,7 @@ _FORCES = {"m": "N", "rad": "N m", "1": "J", "C": "V", "A": "V", "V": "A"}
 def coordinate_units(units, names: Sequence[str]) -> dict[str, str]:
     """The unit of every coordinate by name, metres by default."""
     if units is None:
-        units = {}
+        return dict.fromkeys(names, "m")
     if not isinstance(units, Mapping):
         units = tuple(units)
         if len(units) != len(names):

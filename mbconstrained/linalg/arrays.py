@@ -47,34 +47,24 @@ def full(matrix: Matrix) -> np.ndarray:
     return matrix if isinstance(matrix, np.ndarray) else matrix.toarray()
 
 
-def hstack(*parts: Matrix) -> Matrix:
-    """[A, B, ...], of the kind of the first."""
-    if isinstance(parts[0], np.ndarray):
-        return np.concatenate(parts, axis=1)
-    return scipy.sparse.hstack(parts, format="csr")
+def matrix_of(shape: tuple[int, int], like: Matrix, *parts: tuple[int, int, Matrix]) -> Matrix:
+    """Zeros with parts, each with its first row and column, sparse or full like another matrix; a vector is a diagonal.
 
-
-def vstack(*parts: Matrix) -> Matrix:
-    """[A; B; ...], of the kind of the first."""
-    if isinstance(parts[0], np.ndarray):
-        return np.concatenate(parts)
-    return scipy.sparse.vstack(parts, format="csr")
-
-
-def zeros_of_kind(shape: tuple[int, int], like: Matrix) -> Matrix:
-    """Zeros, of the kind of another matrix."""
-    return np.zeros(shape) if isinstance(like, np.ndarray) else scipy.sparse.csr_array(shape)
-
-
-def shifted_unit(rows: int, columns: int, shift: int, like: Matrix) -> Matrix:
-    """Ones where column = row + shift, sparse or full like another matrix.
-
-    >>> shifted_unit(1, 3, 1, np.zeros((1, 1))).tolist()
-    [[0.0, 1.0, 0.0]]
+    >>> matrix_of((2, 3), np.zeros((1, 1)), (0, 1, np.array([5.0, 6.0])), (0, 0, np.array([[1.0], [2.0]]))).tolist()
+    [[1.0, 5.0, 0.0], [2.0, 0.0, 6.0]]
     """
     if isinstance(like, np.ndarray):
-        return np.eye(rows, columns, shift)
-    return scipy.sparse.csr_array(scipy.sparse.eye_array(rows, columns, k=shift))
+        result = np.zeros(shape)
+        for row, column, part in parts:
+            if part.ndim == 1:
+                result[range(row, row + len(part)), range(column, column + len(part))] = part
+            else:
+                result[row : row + part.shape[0], column : column + part.shape[1]] = part
+        return result
+    stored = [(row, column, entries(scipy.sparse.diags_array(part) if part.ndim == 1 else part)) for row, column, part in parts]
+    shifted = [np.array([own[0] + row, own[1] + column, own[2]]) for row, column, own in stored]
+    rows, columns, values = np.concatenate([np.zeros((3, 0)), *shifted], axis=1)
+    return scipy.sparse.csr_array((values, (rows.astype(int), columns.astype(int))), shape=shape)
 
 
 def entries(matrix: Matrix) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -139,36 +129,27 @@ def entry_count(matrix: Matrix) -> int:
     return np.count_nonzero(matrix) if isinstance(matrix, np.ndarray) else matrix.nnz
 
 
-def filled_rows(matrix: Matrix) -> np.ndarray:
-    """Which rows have entries."""
-    return matrix.any(axis=1) if isinstance(matrix, np.ndarray) else np.diff(matrix.indptr) > 0
-
-
-def filled_columns(matrix: Matrix) -> np.ndarray:
-    """Which columns have entries."""
-    return matrix.any(axis=0) if isinstance(matrix, np.ndarray) else np.diff(matrix.tocsc().indptr) > 0
-
-
-def is_finite(matrix: Matrix) -> bool:
-    """Whether all entries are in the range of float64."""
-    return bool(np.isfinite(matrix if isinstance(matrix, np.ndarray) else matrix.data).all())
+def filled(matrix: Matrix, axis: int) -> np.ndarray:
+    """Which rows (axis 1) or columns (axis 0) have entries."""
+    return matrix.any(axis=axis) if isinstance(matrix, np.ndarray) else np.diff((matrix if axis else matrix.tocsc()).indptr) > 0
 
 
 def is_diagonal(matrix: Matrix) -> bool:
     """Whether a square matrix has all its entries on the diagonal, none of them zero."""
     count = np.count_nonzero(matrix.diagonal())
-    return count == matrix.shape[0] == entry_count(matrix)
+    return count == matrix.shape[0] == (np.count_nonzero(matrix) if isinstance(matrix, np.ndarray) else matrix.nnz)
 
 
-def product(matrix: Matrix, columns: np.ndarray) -> np.ndarray:
-    """matrix @ columns for a real matrix; of complex columns both parts at once, in half the operations.
+def product(matrix: Matrix, columns: np.ndarray, size: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """matrix @ columns for a real matrix, of complex columns both parts at once, and the sums of the sizes of its terms.
 
-    >>> product(np.array([[2.0]]), np.array([[1.0 + 1.0j]])).tolist()
-    [[(2+2j)]]
+    >>> product(np.array([[-2.0]]), np.array([[3.0 + 4.0j]]), np.array([[5.0]]))
+    (array([[-6.-8.j]]), array([[10.]]))
     """
     if isinstance(matrix, np.ndarray) and is_diagonal(matrix):
-        return matrix.diagonal()[:, None] * columns
-    return (matrix @ np.ascontiguousarray(columns).view(float)).view(columns.dtype)
+        diagonal = matrix.diagonal()[:, None]
+        return diagonal * columns, np.abs(diagonal) * size
+    return (matrix @ np.ascontiguousarray(columns).view(float)).view(columns.dtype), abs(matrix) @ size
 
 
 class _Lapack:

@@ -102,18 +102,7 @@ def coupled_rows(matrix: np.ndarray) -> list[np.ndarray]:
     if n > MANY_ROWS:
         count, which = scipy.sparse.csgraph.connected_components(compressed(matrix), directed=False)
         return [np.flatnonzero(which == group) for group in range(count)]
-    pattern = matrix != 0
-    if n and _reached(pattern | pattern.T).all():  # mostly
-        return [np.arange(n)]
-    return [rows for rows, _ in coupled(pattern | np.eye(n, dtype=bool))]
-
-
-def _reached(pattern: np.ndarray) -> np.ndarray:
-    """Which rows of a symmetric matrix of bools are connected with the first."""
-    reached, before = pattern[0] | (np.arange(len(pattern)) == 0), 0
-    while (count := np.count_nonzero(reached)) > before:
-        reached, before = reached | pattern[reached].any(axis=0), count
-    return reached
+    return [rows for rows, _ in coupled((matrix != 0) | np.eye(n, dtype=bool))]
 
 
 def coupled(pattern: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
@@ -294,48 +283,27 @@ def _by_eigenvectors(matrix: Matrix) -> BlockDiagonal | None:
         return None
     inverse = lapack.dgetri(factors, pivots, lwork=room, overwrite_lu=1)[0]
     single, upper = (imaginary == 0).nonzero()[0], (imaginary > 0).nonzero()[0]
-    worst = _worst_condition(basis, inverse, single, upper)
-    if not worst <= DECOUPLING_LIMIT:
-        return None
     ratios = np.einsum("ij,ij->j", basis, basis) * np.einsum("ij,ij->i", inverse, inverse)  # of modes to their summands, squared
     if not np.sqrt(ratios.max()) <= MODE_AMPLIFICATION:
         return None
-    result: dict[int, np.ndarray] = {}
-    for at in _some(single):  # y S x of real x, y
-        result |= zip(at.tolist(), inverse[at].dot(matrix @ basis[:, at]).diagonal()[:, None, None])
-    for at in _some(upper):
-        result |= zip(at.tolist(), _pairs(matrix, basis, inverse, at))
-    return BlockDiagonal(basis, inverse, tuple(result[at] for at in sorted(result)), worst)
-
-
-def _pairs(matrix, basis, inverse, upper) -> np.ndarray:
-    """The blocks [[a, b], [-b, a]] of pairs of complex ones, shape (k, 2, 2)."""
-    k, both = len(upper), np.concatenate([upper, upper + 1])
-    quotients = inverse[both].dot(matrix @ basis[:, both])
-    diagonal = quotients.diagonal()
-    a, b = (diagonal[:k] + diagonal[k:]) / 2, (quotients.diagonal(k) - quotients.diagonal(-k)) / 2
-    return np.array([a, b, -b, a]).T.reshape(-1, 2, 2)
-
-
-def _worst_condition(basis, inverse, single, upper) -> float:
-    """The largest sum of |y_i| |x_i|, of zeros with real x, y and of pairs of complex ones."""
-    worst = 0.0
-    for at in _some(single):
-        worst = max(worst, _sums(np.abs(basis[:, at]), np.abs(inverse[at])).max())
-    for at in _some(upper):
-        sizes = np.hypot(basis[:, at], basis[:, at + 1]), np.hypot(inverse[at], inverse[at + 1])
-        worst = max(worst, _sums(*sizes).max() / 2)
-    return float(worst)
-
-
-def _sums(columns, rows) -> np.ndarray:
-    """Inner products of columns and rows with the same index."""
-    return (columns * rows.T).sum(axis=0)
-
-
-def _some(columns: np.ndarray) -> list[np.ndarray]:
-    """Chunks of columns, whose products stay small relative to the matrix."""
-    return [columns[begin : begin + COLUMNS] for begin in range(0, len(columns), COLUMNS)]
+    worst, result = 0.0, {}
+    # in chunks, whose products stay small relative to the matrix
+    for at in (single[begin : begin + COLUMNS] for begin in range(0, len(single), COLUMNS)):
+        right, left = basis[:, at], inverse[at]
+        worst = max(worst, (np.abs(right) * np.abs(left).T).sum(axis=0).max())
+        result |= zip(at.tolist(), left.dot(matrix @ right).diagonal()[:, None, None])  # y S x of real x, y
+    for at in (upper[begin : begin + COLUMNS] for begin in range(0, len(upper), COLUMNS)):
+        k, both = len(at), np.concatenate([at, at + 1])
+        right, left = basis[:, both], inverse[both]
+        sizes = np.hypot(right[:, :k], right[:, k:]), np.hypot(left[:k], left[k:])
+        worst = max(worst, (sizes[0] * sizes[1].T).sum(axis=0).max() / 2)
+        quotients = left.dot(matrix @ right)
+        diagonal = quotients.diagonal()
+        a, b = (diagonal[:k] + diagonal[k:]) / 2, (quotients.diagonal(k) - quotients.diagonal(-k)) / 2
+        result |= zip(at.tolist(), np.array([a, b, -b, a]).T.reshape(-1, 2, 2))  # of complex ones [[a, b], [-b, a]]
+    if not worst <= DECOUPLING_LIMIT:
+        return None
+    return BlockDiagonal(basis, inverse, tuple(result[at] for at in sorted(result)), float(worst))
 
 
 # Groups of states that are coupled weakly, or one way only, decoupled each for itself and then from each other.
@@ -347,10 +315,14 @@ def _some(columns: np.ndarray) -> list[np.ndarray]:
 
 def _by_groups(matrix: Matrix) -> BlockDiagonal | None:
     """Decoupled form by weakly coupled groups; None for one group, or couplings not weak relative to differences of rates."""
-    groups = weakly_coupled_groups(matrix)
-    if len(groups) == 1:
+    row, column, strong, largest = _coupled_states(matrix)
+    if strong.all() and WEAK_COUPLING * largest.max(initial=0.0) <= largest.min(initial=np.inf):
         return None
-    S = full(matrix)
+    joined = scipy.sparse.csr_array((strong[strong], (row[strong], column[strong])), shape=matrix.shape)
+    count, which = scipy.sparse.csgraph.connected_components(joined, connection="strong")
+    if count == 1:
+        return None
+    groups, S = [np.flatnonzero(which == group) for group in range(count)], full(matrix)
     parts = [_by_eigenvectors(S[np.ix_(at, at)]) for at in groups]
     if not all(parts):
         return None
@@ -371,17 +343,6 @@ def _by_groups(matrix: Matrix) -> BlockDiagonal | None:
     worst = float((np.abs(basis) * np.abs(inverse.T)).sum(axis=0).max())
     blocks = tuple(_paired(D[np.ix_(at, at)]) for at in clusters)
     return BlockDiagonal(basis, inverse, blocks, worst) if worst <= DECOUPLING_LIMIT else None
-
-
-def weakly_coupled_groups(matrix: Matrix) -> list[np.ndarray]:
-    """The states of a balanced matrix in groups that excite each other by more than weak couplings."""
-    n = matrix.shape[0]
-    row, column, strong, largest = _coupled_states(matrix)
-    if strong.all() and WEAK_COUPLING * largest.max(initial=0.0) <= largest.min(initial=np.inf):
-        return [np.arange(n)]
-    joined = scipy.sparse.csr_array((strong[strong], (row[strong], column[strong])), shape=(n, n))
-    count, which = scipy.sparse.csgraph.connected_components(joined, connection="strong")
-    return [np.flatnonzero(which == group) for group in range(count)]
 
 
 def is_weakly_coupled(matrix: Matrix) -> bool:

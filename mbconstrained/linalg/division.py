@@ -153,15 +153,12 @@ def accurately_solved(matrix: Matrix, right: Matrix) -> Matrix:
     """
     if is_diagonal(matrix) or not right.shape[1]:
         return solved(matrix, right)
-    return of_like_kind(_accurately_solved(full(matrix), full(right)), right)
-
-
-def _accurately_solved(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
+    like, matrix, right = right, full(matrix), full(right)
     result = solution(matrix, right)
     inverse = np.abs(solution(matrix, np.eye(len(matrix))))
     size = inverse @ (np.abs(matrix) @ (inverse @ np.abs(right)))
     if not ((np.abs(result) <= CANCELLED * size) & (result != 0)).any():
-        return result
+        return of_like_kind(result, like)
     rows, columns = equilibration(np.abs(matrix))
     matrix, result, right = rows[:, None] * matrix * columns, result / columns[:, None], rows[:, None] * right
     size, inverse = size / columns[:, None], inverse / columns[:, None] / rows
@@ -169,7 +166,7 @@ def _accurately_solved(matrix: np.ndarray, right: np.ndarray) -> np.ndarray:
     result = result + solution(matrix, (right - high) - low)
     largest = np.multiply.outer(np.abs(matrix).max(axis=1), np.abs(result).max(axis=0))
     noise = noise_of(inverse @ (np.abs(matrix) @ noise_of(size))) + PRODUCT_ERROR * len(matrix) * (inverse @ largest)
-    return np.where(np.abs(result) > noise, result, 0.0) * columns[:, None]
+    return of_like_kind(np.where(np.abs(result) > noise, result, 0.0) * columns[:, None], like)
 
 
 def congruence(shapes: np.ndarray, matrix: np.ndarray) -> np.ndarray:

@@ -77,18 +77,19 @@ class DoubleDouble:
     __radd__ = __add__
 
     def __sub__(self, other) -> DoubleDouble:
-        return self + -DoubleDouble.of(other)
+        return self + -other
 
     def __mul__(self, other) -> DoubleDouble:
         other = DoubleDouble.of(other)
-        if not (np.iscomplexobj(self.high) or np.iscomplexobj(other.high)):
+        is_complex, is_other_complex = (number.high.dtype.kind == "c" for number in (self, other))
+        if not (is_complex or is_other_complex):
             total, error = product_with_error(self.high, other.high)
             return _renormalized(total, error + (self.high * other.low + self.low * other.high))
-        if not np.iscomplexobj(self.high):
+        if not is_complex:
             return other * self
         (high, low), axes = self._parts(), max(self.high.ndim, other.high.ndim)
         (high, low) = (part.reshape(2, *[1] * (axes - self.high.ndim), *self.shape) for part in (high, low))
-        if not np.iscomplexobj(other.high):
+        if not is_other_complex:
             total, error = product_with_error(high, other.high)
             return _paired(*_renormalized_parts(total, error + (high * other.low + low * other.high)))
         (own, rest), one = other._parts(), (2, 1, *[1] * (axes - other.high.ndim), *other.shape)
@@ -212,9 +213,9 @@ def exponential(growth: DoubleDouble, turned: DoubleDouble) -> DoubleDouble:
 def _parted(values: DoubleDouble) -> tuple[DoubleDouble, np.ndarray]:
     """The distance to the nearest multiple of 1 / PARTS, and the multiple as a whole number."""
     whole = np.rint(values.high)
-    rest = (values - whole) * float(PARTS)
+    rest = (values - whole).scaled(PARTS)
     nearest = np.rint(rest.high)
-    return (rest - nearest) * (1.0 / PARTS), (whole * PARTS + nearest).astype(np.int64)
+    return (rest - nearest).scaled(1.0 / PARTS), (whole * PARTS + nearest).astype(np.int64)
 
 
 @cache

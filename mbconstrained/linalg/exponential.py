@@ -487,11 +487,6 @@ class BlockGroups:
         turned = self.rest[pairs] @ start[places][:, :, None]
         return np.concatenate([resting, places.reshape(-1)]), np.concatenate([np.zeros(len(resting)), turned.reshape(-1)])
 
-    def oscillate(self, times: np.ndarray) -> np.ndarray:
-        """Which of the pairs oscillate, and stay in range within these times."""
-        with np.errstate(over="ignore"):
-            return (self.square < 0) & (self.mean * times.max(initial=0.0) < MODERATE_EXPONENT)
-
 
 def block_states(blocks: Sequence[np.ndarray] | BlockGroups, start: np.ndarray, times: np.ndarray) -> np.ndarray:
     """The states e^{J t} v, shape (n, T), for J = diag(blocks) and times (T,)."""
@@ -500,7 +495,22 @@ def block_states(blocks: Sequence[np.ndarray] | BlockGroups, start: np.ndarray, 
     start = start[:, None] if start.ndim == 1 else start
     if groups.single.size:
         states[groups.single] = _scaled(start[groups.single], np.multiply.outer(groups.rates, times))
-    _two_by_two(groups, start, times, states)
+    with np.errstate(over="ignore"):
+        oscillating = (groups.square < 0) & (groups.mean * times.max(initial=0.0) < MODERATE_EXPONENT)
+    drifting = (groups.square == 0) & (groups.mean == 0)  # pairs of zeros at 0: v + R v t
+    for kind in (oscillating, drifting):
+        if not len(chosen := kind.nonzero()[0]):
+            continue
+        at, w, even, odd = groups.first[chosen], np.ones(len(chosen)), np.ones(()), times
+        if kind is oscillating:
+            w, every = np.sqrt(-groups.square[chosen]), np.arange(len(chosen))
+            even, odd = np.split(Oscillations(groups.mean[chosen], w, every, every)(times), 2)
+        for row in (0, 1):
+            factors = groups.rest[chosen, row] / w[:, None]
+            turned = factors[:, 0, None] * start[at] + factors[:, 1, None] * start[at + 1]
+            states[at + row] = start[at + row] * even + turned * odd
+    if not (oscillating | drifting).all():
+        _any_pairs(groups, np.flatnonzero(~oscillating & ~drifting), start, times, states)
     for places, same in groups.larger:
         states[places] = _clusters(same, start[places], times)
     return states
@@ -521,38 +531,8 @@ def _clusters(blocks, start, times) -> np.ndarray:
     return states
 
 
-def _two_by_two(groups: BlockGroups, start, times, states) -> None:
-    in_range, drifting = groups.oscillate(times), (groups.square == 0) & (groups.mean == 0)
-    _oscillations(groups, np.flatnonzero(in_range), start, times, states)
-    _drifts(groups, np.flatnonzero(drifting), start, times, states)
-    _any_pairs(groups, np.flatnonzero(~in_range & ~drifting), start, times, states)
-
-
-def _drifts(groups: BlockGroups, chosen, start, times, states) -> None:
-    """Pairs of zeros at 0: v + R v t."""
-    if not chosen.size:
-        return
-    at, rest = groups.first[chosen], groups.rest[chosen]
-    for row in (0, 1):
-        turned = rest[:, row, 0, None] * start[at] + rest[:, row, 1, None] * start[at + 1]
-        states[at + row] = start[at + row] + turned * times
-
-
-def _oscillations(groups: BlockGroups, chosen, start, times, states) -> None:
-    """Pairs that oscillate and stay in range."""
-    if not chosen.size:
-        return
-    at, rest, w, every = groups.first[chosen], groups.rest[chosen], np.sqrt(-groups.square[chosen]), np.arange(len(chosen))
-    even, odd = np.split(Oscillations(groups.mean[chosen], w, every, every)(times), 2)
-    for row in (0, 1):
-        factors = rest[:, row] / w[:, None]
-        turned = factors[:, 0, None] * start[at] + factors[:, 1, None] * start[at + 1]
-        states[at + row] = start[at + row] * even + turned * odd
-
-
 def _any_pairs(groups: BlockGroups, chosen, start, times, states) -> None:
-    if not chosen.size:
-        return
+    """Pairs of two real zeros, of one that is double, or out of range."""
     at, rest = groups.first[chosen], groups.rest[chosen]
     pair = np.stack([start[at], start[at + 1]], axis=1)
     turned = np.einsum("bij,bjt->bit", rest, pair)

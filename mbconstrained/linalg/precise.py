@@ -93,11 +93,6 @@ def magnitude(array: np.ndarray) -> np.ndarray:
     return np.abs(floats(array))
 
 
-def squared(array: np.ndarray) -> np.ndarray:
-    """Squares in float64."""
-    return floats(array) ** 2
-
-
 def unit(array: np.ndarray) -> float:
     """Relative rounding error of one operation on such an array."""
     return PRECISE_EPS if is_precise(array) else EPS

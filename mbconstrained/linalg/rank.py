@@ -10,7 +10,7 @@ import scipy
 from ..ground.tolerances import CLEAR_DROPPED, CLEAR_KEPT, EPS, NOISE_SAFETY, PIVOT_PREFERENCE, PRECISE_DECOUPLING
 from .arrays import LARGE, compressed, lapack
 from .blocks import coupled
-from .precise import floats, is_precise, magnitude, midpoints, of_kind, precise, product, squared, unit
+from .precise import floats, is_precise, magnitude, midpoints, of_kind, precise, product, unit
 from .scaling import equilibration
 
 # Arrays with an estimate of the rounding errors of each entry, propagated through sums and products.
@@ -50,9 +50,12 @@ class Noisy:
         left, right = self.data, other.data
         if not (left.size and right.size):
             return Noisy.exact(product(left, right))
-        own, others, noise, others_noise = squared(left), squared(right), self.noise**2, other.noise**2
+        own, others, noise, others_noise = magnitude(left) ** 2, magnitude(right) ** 2, self.noise**2, other.noise**2
         signs = np.sign(own)
-        if _has_few_entries(left) and not is_precise(right):
+        few = (
+            left.ndim == 2 and len(left) >= LARGE and 8 * int(np.count_nonzero(left)) < left.size
+        )  # then sparse products are faster
+        if few and not is_precise(left) and not is_precise(right):
             data = compressed(left) @ right
             own, noise, signs = compressed(own), compressed(noise), compressed(signs)
         else:
@@ -105,13 +108,6 @@ class Noisy:
         return Noisy(self.data.T, self.noise.T)
 
 
-def _has_few_entries(matrix: np.ndarray) -> bool:
-    """Whether products with a large matrix of float64 are faster by its nonzero entries."""
-    if matrix.ndim != 2 or len(matrix) < LARGE or is_precise(matrix):
-        return False
-    return 8 * int(np.count_nonzero(matrix)) < matrix.size
-
-
 def stacked(*parts: Noisy) -> Noisy:
     """The parts, one below the other."""
     data = [part.data for part in parts]
@@ -139,7 +135,7 @@ def eliminate(work: Noisy, row: int, column: int, first: int = 0, width: int | N
     factor, size = rest[:, column, None] / top[column], magnitude(top)
     change, times = factor * top, magnitude(factor)
     factor_noise = np.hypot(noise[:, column, None], times * top_noise[column]) / size[column]
-    data, before, subtracted = midpoints(rest - change), squared(rest), squared(change)
+    data, before, subtracted = midpoints(rest - change), magnitude(rest) ** 2, magnitude(change) ** 2
     rounding = (np.minimum(before, subtracted) > 0) * (unit(change) ** 2 * (before + subtracted))
     noise = np.sqrt(noise**2 + (times * top_noise) ** 2 + (factor_noise * size) ** 2 + rounding)
     data[:, column], noise[:, column] = data[:, column] * 0, 0.0

@@ -12,7 +12,7 @@ import numpy as np
 import scipy
 
 from ..ground.tolerances import EPS, EXPONENTIAL_PRODUCTS, NARROW_PRODUCT, NEGLIGIBLE_EXPONENTIAL, PADE_NORM
-from .arrays import Matrix, entries, entry_count, filled_columns, full, of_like_kind
+from .arrays import Matrix, entries, entry_count, filled, full, of_like_kind
 from .blocks import CHUNK_ENTRIES, BlockDiagonal, block_matrix, block_slices
 from .exponential import BlockGroups, block_states
 from .scaling import balanced, balanced_norm, balancing_units
@@ -424,7 +424,7 @@ def values_of_steps(
     output: Matrix, step: np.ndarray, input_matrix: np.ndarray, start: np.ndarray, inputs: np.ndarray
 ) -> np.ndarray:
     """P z_0, ..., P z_K, shape (r, K + 1)."""
-    used = np.flatnonzero(filled_columns(output))
+    used = np.flatnonzero(filled(output, 0))
     if SPARSE * entry_count(output) >= (output.shape[0] - len(used)) * len(start):
         return _values(full(output), step, input_matrix, start, inputs)
     return scipy.sparse.csr_array(output[:, used]) @ _values(np.eye(len(start))[used], step, input_matrix, start, inputs)

@@ -87,28 +87,16 @@ def _fitted(coefficients: np.ndarray) -> Scaling:
 
 
 def equilibration(size: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Powers of two for the rows and columns of a matrix of magnitudes that bring its largest entries near 1."""
-    rows, columns = _alternately_scaled(size)
-    final = _inverse(((rows[:, None] * size) * columns).max(axis=1, initial=0.0))
-    return rows * final, columns
-
-
-def column_units(size: np.ndarray) -> np.ndarray:
-    """Scale factors of the columns alone."""
-    return _alternately_scaled(size)[1]
-
-
-def _alternately_scaled(size: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Rows and columns brought to one size in turns."""
-    count = len(size)
-    rows, columns, scaled = np.ones(count), np.ones(size.shape[1]), size
+    """Powers of two for the rows and columns of a matrix of magnitudes, scaled in turns, that bring its largest entries near 1."""
+    rows, columns, scaled = np.ones(len(size)), np.ones(size.shape[1]), size
     for _ in range(EQUILIBRATION_ROUNDS):
-        steps = _inverse_root(np.concatenate([scaled.max(axis=1, initial=0.0), scaled.max(axis=0, initial=0.0)]))
+        largest = np.concatenate([scaled.max(axis=1, initial=0.0), scaled.max(axis=0, initial=0.0)])
+        steps = _inverse(largest, 2)
         if (steps == 1).all():
             break
-        rows, columns = rows * steps[:count], columns * steps[count:]
+        rows, columns = rows * steps[: len(size)], columns * steps[len(size) :]
         scaled = rows[:, None] * size * columns
-    return rows, columns
+    return rows * _inverse(scaled.max(axis=1, initial=0.0)), columns
 
 
 def balancing_units(generator: Matrix) -> np.ndarray:
@@ -303,9 +291,6 @@ def _power_of_two(exponents):
     return np.exp2(np.rint(exponents))
 
 
-def _inverse_root(size):
-    return np.exp2(-np.rint(np.log2(size + (size == 0)) / 2))
-
-
-def _inverse(size):
-    return np.exp2(-np.rint(np.log2(size + (size == 0))))
+def _inverse(size: np.ndarray, root: int = 1) -> np.ndarray:
+    """Powers of two near 1 / size, or near its root; 1 for 0."""
+    return np.exp2(-np.rint(np.log2(size + (size == 0)) / root))

@@ -8,7 +8,7 @@ import numpy as np
 import scipy
 
 from ..ground.tolerances import EPS, LARGEST_CORRECTION, LAST_CORRECTION, REFINED_SPREAD, noise_of
-from .arrays import Matrix, block_diag, entries, entry_count, full, is_diagonal, lapack, of_like_kind
+from .arrays import Matrix, block_diag, entries, entry_count, full, is_diagonal, lapack
 from .blocks import BlockDiagonal, decoupled
 from .division import condition, congruence, exact_row_sums
 
@@ -217,14 +217,18 @@ def may_be_wide(M: Matrix, K: Matrix) -> bool:
 
 
 def undamped_shapes(M: Matrix, K: Matrix) -> np.ndarray | None:
-    """The shapes of M x'' + K x = 0 for symmetric M and K."""
+    """The shapes of M x'' + K x = 0 for symmetric M and K; of a large tridiagonal matrix by an algorithm for those. None where that fails."""
     diagonal = M.diagonal()
-    if entry_count(M) == len(diagonal) and (diagonal > 0).all():
-        root = np.sqrt(diagonal)
-        vectors = _vectors(of_like_kind(K * (1 / root[:, None]) * (1 / root), K))
-        vectors /= root[:, None]
-        return vectors
-    _, vectors, failed = lapack.dsygvd(full(K), full(M))
+    if not is_diagonal(M) or not (diagonal > 0).all():
+        _, vectors, failed = lapack.dsygvd(full(K), full(M))
+        return None if failed else vectors
+    root = np.sqrt(diagonal)
+    matrix = K * (1 / root[:, None]) * (1 / root)
+    matrix = (matrix + matrix.T) / 2
+    vectors, failed = None if isinstance(matrix, np.ndarray) else _tridiagonal_vectors(scipy.sparse.csr_array(matrix)), False
+    if vectors is None:
+        _, vectors, failed = lapack.dsyevd(full(matrix))
+    vectors /= root[:, None]
     return None if failed else vectors
 
 
@@ -251,25 +255,15 @@ def _with_bodies(M: Matrix, K: Matrix, shapes: np.ndarray, bodies: np.ndarray) -
     return np.hstack([result - others @ mixed, others + result @ mixed.T]), supports
 
 
-def _vectors(matrix: Matrix) -> np.ndarray:
-    """The eigenvectors of a symmetric matrix; of a large tridiagonal one by an algorithm for those."""
-    matrix = (matrix + matrix.T) / 2
-    if isinstance(matrix, np.ndarray):
-        return _symmetric_vectors(matrix)
-    order = scipy.sparse.csgraph.reverse_cuthill_mckee(scipy.sparse.csr_array(matrix), symmetric_mode=True)
-    narrow = scipy.sparse.csr_array(matrix)[order][:, order].tocoo()
-    if len(order) > 2 and np.abs(narrow.row - narrow.col).max(initial=0) <= 1:
-        result = np.empty(matrix.shape)
-        result[order] = scipy.linalg.eigh_tridiagonal(narrow.diagonal(), narrow.diagonal(1))[1]
-        return result
-    return _symmetric_vectors(matrix.toarray())
-
-
-def _symmetric_vectors(matrix: np.ndarray) -> np.ndarray:
-    _, vectors, failed = lapack.dsyevd(matrix)
-    if failed:
-        raise np.linalg.LinAlgError("the eigenvalues did not converge")
-    return vectors
+def _tridiagonal_vectors(matrix: scipy.sparse.csr_array) -> np.ndarray | None:
+    """The eigenvectors of a symmetric matrix that is tridiagonal in some order; None of any other."""
+    order = scipy.sparse.csgraph.reverse_cuthill_mckee(matrix, symmetric_mode=True)
+    narrow = matrix[order][:, order].tocoo()
+    if len(order) <= 2 or np.abs(narrow.row - narrow.col).max(initial=0) > 1:
+        return None
+    result = np.empty(matrix.shape)
+    result[order] = scipy.linalg.eigh_tridiagonal(narrow.diagonal(), narrow.diagonal(1))[1]
+    return result
 
 
 def _quotients(K: Matrix, shapes: np.ndarray) -> np.ndarray:

@@ -34,7 +34,7 @@ from ..linalg.arrays import block_diag, full, kept, others
 from ..linalg.division import solution
 from ..linalg.precise import is_worthwhile
 from ..linalg.rank import Noisy, null_columns, reduce_in_order
-from ..linalg.scaling import column_units, equilibration
+from ..linalg.scaling import equilibration
 from ..polynomial.coefficients import Factors
 from ..polynomial.polynomial_matrix import PolynomialMatrix
 from ..signals.bohl import BohlFunction
@@ -219,8 +219,7 @@ def constraint_rows(constraints: Sequence[Constraint], units: dict[str, str]) ->
 
 def right_sides(rows: Sequence[ConstraintRow]) -> ImpulsiveSmooth | None:
     """The parts of b that vary in time, one row for each of the k rows; None where b is constant."""
-    column = np.eye(len(rows))
-    varying = [row.signal.mapped(column[:, [place]]) for place, row in enumerate(rows) if row.signal is not None]
+    varying = [row.signal.mapped(np.eye(len(rows), 1, -place)) for place, row in enumerate(rows) if row.signal is not None]
     return sum(varying[1:], varying[0]) if varying else None
 
 
@@ -291,9 +290,14 @@ def independent_rows(rows: Sequence[ConstraintRow], size: int) -> IndependentRow
     rows = sorted(rows, key=lambda row: row.order)
     matrix = np.array([row.coefficients for row in rows])
     uncertainty = np.array([row.uncertainty + np.zeros(size) for row in rows])
-    scale = column_units(np.abs(matrix))
+    scale = equilibration(np.abs(matrix))[1]
     noise = np.maximum(EPS * np.abs(matrix), uncertainty) * scale
-    kept, pivots, reduced = _reduced(rows, Noisy(matrix * scale, noise))
+    attached = Noisy.exact(np.zeros((len(rows), len(LEVELS) + len(rows))))  # the value of each level, and the factors of the rows
+    for place, row in enumerate(rows):
+        attached.data[place, row.order], attached.noise[place, row.order] = row.value, EPS * abs(row.value)
+        attached.data[place, len(LEVELS) + place] = 1.0
+    reduced = Noisy(np.hstack([matrix * scale, attached.data]), np.hstack([noise, attached.noise]))
+    kept, pivots = reduce_in_order(reduced, size)
     own = reduced[kept]
     margins = own.size[range(len(kept)), pivots] / (NOISE_SAFETY * own.noise[range(len(kept)), pivots])
     notices = [_redundant(rows, place, reduced.data[place, size:]) for place in range(len(rows)) if place not in kept]
@@ -307,19 +311,6 @@ def independent_rows(rows: Sequence[ConstraintRow], size: int) -> IndependentRow
     null_space, motions = _null_space(own.data[:, :size], pivots, scale)
     independent = tuple(rows[place] for place in kept)
     return IndependentRows(independent, matrix[kept], uncertainty[kept], null_space, motions, tuple(pivots), tuple(notices))
-
-
-def _reduced(rows, matrix: Noisy) -> tuple[list[int], list[int], Noisy]:
-    """The indices of the independent rows, their pivot columns, and all rows after elimination.
-
-    Columns appended to the rows: the value of each row in the column of its level, and an exact unit vector.
-    """
-    attached = Noisy.exact(np.zeros((len(rows), len(LEVELS) + len(rows))))
-    for place, row in enumerate(rows):
-        attached.data[place, row.order], attached.noise[place, row.order] = row.value, EPS * abs(row.value)
-        attached.data[place, len(LEVELS) + place] = 1.0
-    work = Noisy(np.hstack([matrix.data, attached.data]), np.hstack([matrix.noise, attached.noise]))
-    return *map(list, reduce_in_order(work, matrix.data.shape[1])), work
 
 
 def _null_space(reduced: np.ndarray, pivots: list[int], scale: np.ndarray) -> tuple[np.ndarray, tuple[int | None, ...]]:
@@ -470,7 +461,7 @@ def constrained_form(
         parts = [projected[:, begin : begin + len(V)] for begin in range(0, projected.shape[1], len(V))]
         coefficients = [np.vstack([part, A * rows[:, None]]) for part, rows in zip(parts, selected)]
     doubt = None
-    if independent.uncertainty.any() or any(extra.any() for extra in uncertainty):
+    if any(extra.any() for extra in (independent.uncertainty, *uncertainty)):
         doubt = [
             _stacked_uncertainty(matrix, extra, independent, rows) for matrix, extra, rows in zip(motion, uncertainty, selected)
         ]
@@ -478,7 +469,8 @@ def constrained_form(
     equations += [f"constraint {row.name}" for row in independent.rows]
     values = np.array([row.value for row in independent.rows])
     matrix = PolynomialMatrix(coefficients, names, equations, doubt)
-    notices = tuple(_cancelled(coefficients, doubts, equations, names)) if doubt is None and doubts.any() else ()
+    are_doubtful = doubt is None and ((doubts >= DOUBTFUL_SUM[0]) & (doubts < DOUBTFUL_SUM[1])).any()
+    notices = tuple(_cancelled(coefficients, doubts, equations, names)) if are_doubtful else ()
     return ConstrainedForm(V, A, values, matrix, notices, right_sides(independent.rows))
 
 

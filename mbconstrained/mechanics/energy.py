@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from math import log2
 from typing import NamedTuple
 
 import numpy as np
@@ -165,20 +166,28 @@ class EnergyParts(Displayed):
         >>> [shares.kinetic for shares in parts.shares_of(np.array([[1.0, 1.0], [1.0, 0.0]]))]
         [{'a': 0.25, 'b': 0.75}, {'a': 1.0, 'b': 0.0}]
         """
-        shapes = _unit_shapes(shapes, self.size)
+        shapes = np.asarray(shapes)
+        for part in [shapes.real, shapes.imag] if np.iscomplexobj(shapes) else [shapes]:
+            real_array(part, "shape", shape=(self.size, None))
+        if not (shapes != 0).any(axis=0).all():
+            raise InputError("shape: found zeros only; a shape has at least one entry that is not zero")
+        return self._shares_of(shapes, eigenvalues)
+
+    def _shares_of(self, shapes: np.ndarray, eigenvalues: Sequence[complex] | None) -> tuple[EnergyShares, ...]:
+        """The energy shares of shapes that are known to be shapes, in any unit."""
+        if shapes.dtype.kind == "c" and (imaginary := shapes.imag).any():
+            shapes = shapes / np.maximum(np.abs(shapes.real).max(axis=0), np.abs(imaginary).max(axis=0))
+        else:
+            shapes = shapes.real / np.abs(shapes.real).max(axis=0)
         (kinetic, in_motion), (strain, in_springs) = (products.energies(shapes) for products in self._products)
         if eigenvalues is not None:
             size = np.abs(eigenvalues)
             moving, strained = self._products
+            both = (in_motion != 0) & (in_springs != 0) & (size > 0)
             with np.errstate(divide="ignore", invalid="ignore"):
                 ratio = np.log2(np.abs(in_motion / in_springs)) + 2 * np.log2(size) + (moving.unit - strained.unit)
-                is_rest, is_free = (
-                    ratio <= np.log2(noise_of(1.0, len(moving.names))),
-                    -ratio <= np.log2(noise_of(1.0, len(strained.names))),
-                )
-            both = (in_motion != 0) & (in_springs != 0) & (size > 0)
-            in_motion = np.where(both & is_rest, 0.0, in_motion)
-            in_springs = np.where((size == 0) | (both & is_free), 0.0, in_springs)
+            in_motion = np.where(both & (ratio <= log2(noise_of(1.0, len(moving.names)))), 0.0, in_motion)
+            in_springs = np.where((size == 0) | (both & (-ratio <= log2(noise_of(1.0, len(strained.names))))), 0.0, in_springs)
         named = (
             [
                 NamedNumbers(products.names, own) if known else None
@@ -229,8 +238,7 @@ class _CoordinateProducts(NamedTuple):
             stretch = np.where(np.abs(stretch) <= noise_of(abs(rows) @ size, len(shapes)), 0.0, constants * stretch)
             forces, terms = rows.T @ stretch, abs(rows).T @ np.abs(stretch)
         else:
-            matrix = kept(np.ldexp(self.whole, -self.unit))
-            forces, terms = product(matrix, shapes), product(abs(matrix), size)
+            forces, terms = product(kept(np.ldexp(self.whole, -self.unit)), shapes, size)
         values = (shapes.conj() * forces).real
         return values, _clear_sums(values, size * terms)
 
@@ -300,17 +308,6 @@ def _checked(part, what: str) -> EnergyPart:
 
 def _size(part: EnergyPart) -> int:
     return part.size if isinstance(part, ElementMatrix) else len(part)
-
-
-def _unit_shapes(shapes, size: int | None) -> np.ndarray:
-    """Shapes scaled to a largest entry of 1."""
-    shapes = np.asarray(shapes)
-    parts = [shapes.real, shapes.imag] if np.iscomplexobj(shapes) else [shapes]
-    real, *imaginary = (real_array(part, "shape", shape=(size, None)) for part in parts)
-    largest = np.max([np.abs(part).max(axis=0, initial=0.0) for part in (real, *imaginary)], axis=0)
-    if not largest.all():
-        raise InputError("shape: found zeros only; a shape has at least one entry that is not zero")
-    return (real + 1j * imaginary[0]) / largest if imaginary and imaginary[0].any() else real / largest
 
 
 def checked_parts(parts: EnergyParts, size: int) -> EnergyParts:

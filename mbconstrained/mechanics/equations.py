@@ -200,8 +200,9 @@ class EquationsOfMotion(Pictured):
         return system
 
     def _independent_rows(self) -> IndependentRows:
+        rows = constraint_rows(self.constraints, self.units) if self.constraints else ()
         with short_work(2 * self.size):
-            return independent_rows(constraint_rows(self.constraints, self.units), self.size)
+            return independent_rows(rows, self.size)
 
     @property
     def size(self) -> int:
@@ -534,12 +535,13 @@ class EquationsOfMotion(Pictured):
         return vector
 
     def _uncertainty(self, given: Mapping) -> tuple[np.ndarray, ...]:
-        known, shape = ("stiffness", "damping", "mass"), (self.size, self.size)
-        for name in given:
-            if name not in known:
-                raise InputError(f"uncertainty: found {name!r}{nearest(str(name), known)}; expected {', '.join(known)}")
-        bounds = {name: np.abs(real_array(value, f"uncertainty of the {name}", shape=shape)) for name, value in given.items()}
-        return tuple(bounds.get(name, constant_zeros(shape)) for name in known)
+        shape = (self.size, self.size)
+        bounds = dict.fromkeys(("stiffness", "damping", "mass"), constant_zeros(shape))
+        for name, value in given.items():
+            if name not in bounds:
+                raise InputError(f"uncertainty: found {name!r}{nearest(str(name), bounds)}; expected {', '.join(bounds)}")
+            bounds[name] = np.abs(real_array(value, f"uncertainty of the {name}", shape=shape))
+        return tuple(bounds.values())
 
 
 def _varies(force) -> bool:

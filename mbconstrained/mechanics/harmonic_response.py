@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cache
+from functools import cache, partial
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -25,6 +25,7 @@ from ..ground.named_arrays import named_array
 from ..ground.tolerances import EPS, FLOAT64_DIGITS, SAME_FREQUENCY
 from ..ground.units import force_unit, rate_unit, ratio_unit
 from ..linalg.arrays import full
+from ..polynomial.coefficients import Factors
 from ..polynomial.delayed_terms import DelayedTerm
 from ..polynomial.polynomial_matrix import PolynomialMatrix
 from ..signals.impulsive import ExactInput, ExactRecord, ExactTerm, ImpulsiveSmooth
@@ -133,7 +134,7 @@ def harmonic_equations(system, inputs, outputs, quantity, modal_damping, loss_fa
         A = PolynomialMatrix(coefficients, distinct, equations)
         delayed = delayed_unknowns(system, A.size)
         arrays = A, B, C, power, imaginary, sizes, input_names, output_names, table, quantity
-        return Harmonic(*arrays, delayed=delayed, output_quantities=kinds)
+        return Harmonic(*arrays, delayed=delayed, output_quantities=kinds, elements=_by_elements(system, coefficients))
     table = np.array([[ratio(other, one.unit) for other in below] for one in known_outputs])
     m, size = B.shape[1], len(B)
     wide = [np.pad(matrix, ((0, m), (0, m))) for matrix in coefficients]
@@ -143,7 +144,8 @@ def harmonic_equations(system, inputs, outputs, quantity, modal_damping, loss_fa
     imaginary = None if imaginary is None else np.pad(imaginary, pad)
     sizes = None if sizes is None else np.array([np.pad(matrix, pad) for matrix in sizes])
     select, delayed = np.eye(size + m)[size:], delayed_unknowns(system, size + m)
-    return Harmonic(A, select.T, select, 0, imaginary, sizes, output_names, input_names, table.T, quantity, delayed=delayed)
+    arrays = A, select.T, select, 0, imaginary, sizes, output_names, input_names, table.T, quantity
+    return Harmonic(*arrays, delayed=delayed, elements=_by_elements(system, wide))
 
 
 def delayed_unknowns(system: EquationsOfMotion, size: int) -> tuple[DelayedTerm, ...]:
@@ -288,6 +290,22 @@ def saddle_point(
         sizes[1, :n, :n] += damping_sizes
     H = structural_damping(system, loss_factor)
     return coefficients, None if H is None else np.pad(H, (0, len(A))), sizes
+
+
+def _by_elements(system: EquationsOfMotion, coefficients: Sequence[np.ndarray]) -> Callable[[], PolynomialMatrix] | None:
+    """A(s) with the elements of the system in the place of its assembled matrices; None where it has none."""
+    return partial(_of_elements, system, coefficients) if any(isinstance(one, ElementMatrix) for one in system.given) else None
+
+
+def _of_elements(system: EquationsOfMotion, coefficients: Sequence[np.ndarray]) -> PolynomialMatrix:
+    n, size, result = system.size, len(coefficients[0]), list[np.ndarray | Factors](coefficients)
+    for order, (whole, matrix) in enumerate(zip(coefficients, system.given)):
+        if isinstance(matrix, ElementMatrix) and (whole[:n, :n] == matrix.matrix).all():  # not with damping of modes
+            directions, rest = np.pad(matrix.directions, ((0, 0), (0, size - n))), whole.copy()
+            rest[:n, :n] = 0.0
+            values = np.append(matrix.constants, np.ones(size))
+            result[order] = Factors(np.hstack([directions.T, np.eye(size)]), values, np.vstack([directions, rest]))
+    return PolynomialMatrix(result)
 
 
 def structural_damping(system: EquationsOfMotion, loss_factor) -> np.ndarray | None:
@@ -463,13 +481,14 @@ def steady_state(
     C = np.vstack([np.diag(np.repeat([1.0, -1.0], [n, len(rows)])) @ np.eye(len(names), len(B)), of_outputs])
     answers, errors = np.zeros((len(C), len(omegas)), dtype=complex), np.zeros(len(omegas))
     labels, outputs = ("real part", "imaginary part"), (*names, *(one.name for one in further))
+    elements = _by_elements(system, coefficients)
     delayed, count, f = delayed_unknowns(system, A.size), len(names), np.array(omegas) / (2 * np.pi)
     for columns, weights, lines in _alike([B @ loads[omega] for omega in omegas], f):
         m = columns.shape[1]
         of_lines = Harmonic(
             A, columns, C, 0, imaginary if f[lines[0]] else None, sizes, labels[:m], outputs, np.full((len(C), m), "")
         )
-        H = evaluated(replace(of_lines, delayed=delayed), f[lines])
+        H = evaluated(replace(of_lines, delayed=delayed, elements=elements), f[lines])
         if H.poles_on_lines:
             if not (at := H.poles_on_lines[0].frequency_hz):
                 raise InputError(

@@ -33,7 +33,7 @@ from ..ground.tolerances import (
     rounding_radius,
 )
 from ..ground.units import coordinate_units
-from ..linalg.arrays import block_diag, entries, full, kept, lapack, product
+from ..linalg.arrays import block_diag, full, kept, lapack, product
 from ..linalg.blocks import block_slices
 from ..linalg.division import definite_condition, is_symmetric, solved
 from ..linalg.exponential import BlockGroups
@@ -178,6 +178,9 @@ class Modes(Presented, Sequence):
     _instead: ClassVar = {
         "damping": "damping_ratios",
         "frequencies": "frequencies_hz",
+        **dict.fromkeys(
+            ("MAC", "mac"), 'the modes of two scenes are compared by mb.read_scene("FILE.toml").mac(other="OTHER.toml")'
+        ),
     }
 
     def __len__(self) -> int:
@@ -241,14 +244,11 @@ class Modes(Presented, Sequence):
     @property
     def shapes(self) -> np.ndarray:
         """Shapes of the oscillating modes, shape (n, m); real where all are. A defective eigenvalue repeats its last."""
-        (_, _, shapes), chosen, begin = self._columns, [], 0
-        for mode in self.modes:
-            end = begin + mode.shapes.shape[1]
-            if mode.eigenvalue.imag:
-                chosen += [min(begin + i, end - 1) for i in range(mode.multiplicity)]
-            begin = end
-        columns = shapes[:, chosen]
-        return named_array(columns if columns.imag.any() else columns.real, self.names)
+        _, values, shapes = self._columns
+        counts = [(mode.shapes.shape[1] - 1, mode.multiplicity) for mode in self.oscillating]
+        repeats = [n for before, multiplicity in counts for n in (*(1,) * before, multiplicity - before)]
+        columns = shapes[:, values.imag != 0].repeat(repeats, axis=1)
+        return named_array(columns if columns.dtype.kind == "c" and columns.imag.any() else columns.real, self.names)
 
     @cached_property
     def shares(self) -> tuple[tuple[EnergyShares, ...], ...]:
@@ -256,12 +256,12 @@ class Modes(Presented, Sequence):
         parts, (places, values, shapes) = self.modes[0].energy_parts if self.modes else None, self._columns
         if parts is None or not len(places):
             return ((),) * len(self.modes)
-        each = iter(parts.shares_of(shapes, values))
+        each = iter(parts._shares_of(shapes, values))
         result = [tuple(islice(each, mode.shapes.shape[1])) for mode in self.modes]
-        return tuple(
-            tuple(replace(one, kinetic=None) for one in own) if mode.kind == "offset" else own
-            for mode, own in zip(self.modes, result)
-        )
+        for place, mode in enumerate(self.modes):
+            if mode.kind == "offset":
+                result[place] = tuple(replace(one, kinetic=None) for one in result[place])
+        return tuple(result)
 
     @cached_property
     def residuals(self) -> np.ndarray:
@@ -271,13 +271,14 @@ class Modes(Presented, Sequence):
         result, (places, s, u) = np.zeros(len(self.modes)), self._columns
         if self.polynomial_matrix is None or not len(places):
             return result
-        size, left, terms = np.abs(u), 0.0, 0.0
+        left, size = np.zeros(u.shape), np.abs(u)
+        terms = np.zeros(u.shape)
         for k, matrix in enumerate(self.polynomial_matrix.coefficients):
             if matrix.any():
-                matrix, power = kept(matrix), s**k
-                left = left + (power if power.imag.any() else power.real) * product(matrix, u)  # of undamped modes all is real
-                terms = terms + np.abs(power) * product(abs(matrix), size)
-        left, terms = np.linalg.norm(left, axis=0), np.linalg.norm(terms, axis=0)
+                power, (forces, sizes) = s**k, product(kept(matrix), u, size)
+                left = left + (power if power.imag.any() else power.real) * forces  # of undamped modes all is real
+                terms = terms + np.abs(power) * sizes
+        left, terms = np.sqrt((left * left.conj()).real.sum(axis=0)), np.sqrt((terms**2).sum(axis=0))
         np.maximum.at(result, places, left / np.where(terms > 0, terms, 1.0))
         return result
 
@@ -285,7 +286,7 @@ class Modes(Presented, Sequence):
     def _columns(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """The mode of each shape and its eigenvalue, shape (g,), and the shapes, shape (n, g)."""
         places = np.repeat(np.arange(len(self.modes)), [mode.shapes.shape[1] for mode in self.modes])
-        shapes = np.concatenate([np.zeros((len(self.names), 0)), *(mode.shapes for mode in self.modes)], axis=1)
+        shapes = np.concatenate([np.zeros((len(self.names), 0)), *[mode.shapes for mode in self.modes]], axis=1)
         return places, np.array([mode.eigenvalue for mode in self.modes], dtype=complex)[places], shapes
 
     def lowest(self, count: int) -> Modes:
@@ -308,7 +309,23 @@ class Modes(Presented, Sequence):
         Of sparse matrices also the residual.
         """
         residuals = [{}] * len(self) if self.bounds is None else [{"residual": f"{one:.2g}"} for one in self.residuals]
-        return [_table_row(mode) | residual for mode, residual in zip(self.modes, residuals)]
+        rows = []
+        for mode, residual in zip(self.modes, residuals):
+            real, imaginary = mode.eigenvalue.real, mode.eigenvalue.imag
+            growth = f"{real:.6g} " if real else ""
+            rows.append(
+                {
+                    "kind": mode.kind,
+                    "frequency (Hz)": f"{mode.frequency_hz:.6g}" if imaginary else "",
+                    "damping ratio": f"{mode.damping_ratio:.4g}" if imaginary else "",
+                    "eigenvalue (1/s)": f"{growth}± {imaginary:.6g} i" if imaginary else f"{real:.6g}",
+                    "natural frequency (rad/s)": f"{mode.natural_frequency:.6g}" if imaginary else "",
+                    "multiplicity": str(mode.multiplicity),
+                    "meaning": mode.text,
+                    **residual,
+                }
+            )
+        return rows
 
     def arrays(self) -> dict[str, np.ndarray]:
         """eigenvalues, natural_frequencies, frequencies_hz, damping_ratios, shapes (of the oscillating modes) and names, as arrays."""
@@ -349,20 +366,6 @@ class Modes(Presented, Sequence):
         return path
 
 
-def _table_row(mode: Mode) -> dict[str, str]:
-    real, imaginary = mode.eigenvalue.real, mode.eigenvalue.imag
-    growth = f"{real:.6g} " if real else ""
-    return {
-        "kind": mode.kind,
-        "frequency (Hz)": f"{mode.frequency_hz:.6g}" if imaginary else "",
-        "damping ratio": f"{mode.damping_ratio:.4g}" if imaginary else "",
-        "eigenvalue (1/s)": f"{growth}± {imaginary:.6g} i" if imaginary else f"{real:.6g}",
-        "natural frequency (rad/s)": f"{mode.natural_frequency:.6g}" if imaginary else "",
-        "multiplicity": str(mode.multiplicity),
-        "meaning": mode.text,
-    }
-
-
 # The modes of a mechanical system: eigenvalues and shapes by LAPACK where equations reduce to a regular matrix, else by Jordan pairs.
 #
 # A row at acceleration or velocity level is the row at position level with a factor s^2 or s,
@@ -401,7 +404,7 @@ Moving = tuple[complex, int, np.ndarray, bool]
 
 def _is_definite(A: PolynomialMatrix) -> bool:
     """Whether M, C and K are symmetric, M and K positive definite and well-conditioned: the equations are their own reduction."""
-    if A.degree != 2 or any(factors is not None for factors in A.factors) or A.uncertainty.any():
+    if A.degree != 2 or any(factors is not None for factors in A.factors) or A.is_uncertain:
         return False
     K, C, M = A.coefficients
     if (A.coefficients != A.coefficients.transpose(0, 2, 1)).any() and not (
@@ -419,11 +422,11 @@ def _by_reduction(A: PolynomialMatrix, definite: bool) -> tuple[list[Moving], li
     elif definite:
         K, C, M = A.coefficients
         if symmetric := _symmetric_modes(M, C, K):
-            return [*_grouped(*symmetric)], []
+            return _grouped(*symmetric), []
     elif isinstance(own := A.reduction, Reduction) and len(own.second) and not len(own.first) and own.conserved is None:
         symmetric = _symmetric_modes(*map(full, (own.M, own.C, own.K))) if own.is_finite and own.is_reciprocal else None
         if symmetric:
-            return [*_grouped(symmetric[0], own.V @ symmetric[1])], []
+            return _grouped(symmetric[0], own.V @ symmetric[1]), []
     reduction = serving_reduction(A, zero(A.size))
     parts = reduction.decoupled
     groups, outputs = BlockGroups.of(parts.blocks), parts.modal_output(reduction.output)
@@ -445,7 +448,7 @@ def _by_reduction(A: PolynomialMatrix, definite: bool) -> tuple[list[Moving], li
         values = np.where(np.abs(values) ** 2 <= EPS * np.abs(values).max() ** 2, 0.0, values)
     moving = values != 0
     count = int((~moving).sum() + (~moving & (computed.imag > 0)).sum())  # of a complex pair one is listed
-    return [*_grouped(values[moving], shapes[:, moving])], [*_at_rest(A, count)]
+    return _grouped(values[moving], shapes[:, moving]), [*_at_rest(A, count)]
 
 
 def _symmetric_modes(M: np.ndarray, C: np.ndarray, K: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
@@ -473,8 +476,9 @@ def _symmetric_modes(M: np.ndarray, C: np.ndarray, K: np.ndarray) -> tuple[np.nd
         if (real := values.imag == 0).any():
             values, X = np.concatenate([values, -values[real]]), np.hstack([X, X[:, real]])
     moduli = np.abs(values)
-    spread = moduli.max() / moduli.min()
-    return None if not np.isfinite(spread) or is_worthwhile(spread, len(M) * 2) else (values, X)
+    if not (np.isfinite(moduli).all() and moduli.all()) or is_worthwhile(moduli.max() / moduli.min(), len(M) * 2):
+        return None
+    return values, X
 
 
 def _damped_modes(M: np.ndarray, C: np.ndarray, K: np.ndarray) -> tuple[np.ndarray, np.ndarray] | tuple[None, None]:
@@ -498,25 +502,26 @@ def _forms(matrix: np.ndarray, X: np.ndarray) -> np.ndarray:
     """x^T A x for each column; of a sparse A by differences of coordinates, in which nothing of a slow motion cancels."""
     if np.count_nonzero(matrix) > (2 * FEW_DIFFERENCES + 1) * len(matrix):
         return np.einsum("ij,ij->j", X, matrix @ X)
-    row, column, values = entries(matrix)
-    upper, sums = row < column, np.zeros(len(matrix), dtype=np.longdouble)
+    row, column = matrix.nonzero()
+    upper, values, sums = row < column, matrix[row, column], np.zeros(len(matrix), dtype=np.longdouble)
     if not upper.any():
         return matrix.diagonal() @ X**2
     np.add.at(sums, row, values)
     return sums.astype(float) @ X**2 - values[upper] @ (X[row[upper]] - X[column[upper]]) ** 2
 
 
-def _grouped(values: np.ndarray, shapes: np.ndarray) -> Iterator[Moving]:
+def _grouped(values: np.ndarray, shapes: np.ndarray) -> list[Moving]:
     """Eigenvalues with their multiplicities, ascending, and their shapes."""
     order, ends = _equal(values)
-    values, shapes, begin = values[order], _normalized(shapes[:, order]), 0
+    values, shapes, begin, result = values[order], _normalized(shapes[:, order]), 0, []
     numbers, parts, real = values.tolist(), shapes, [True] * len(order)
     if shapes.dtype.kind == "c":
         real, parts = (np.abs(shapes.imag).max(axis=0, initial=0.0) <= noise_of(1.0, len(shapes))).tolist(), shapes.real.copy()
     for end in ends:
         value = numbers[begin] if end == begin + 1 else complex(values[begin:end].mean())
-        yield value, end - begin, (parts if all(real[begin:end]) else shapes)[:, begin:end], False
+        result.append((value, end - begin, (parts if all(real[begin:end]) else shapes)[:, begin:end], False))
         begin = end
+    return result
 
 
 def _equal(values: np.ndarray) -> tuple[np.ndarray, list[int]]:

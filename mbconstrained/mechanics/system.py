@@ -90,6 +90,7 @@ class MechanicalSystem(EquationsOfMotion):
 
     _instead: ClassVar = {
         "eig": "modes().eigenvalues",
+        **dict.fromkeys(("bode", "frf", "transfer_function"), "frequency_response"),
         "eigenvalues": "modes().eigenvalues",
         "eigenvectors": "modes().shapes",
         "damping_ratios": "modes().damping_ratios",

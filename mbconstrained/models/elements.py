@@ -100,6 +100,8 @@ class Element(Public):
     end_count: ClassVar[int] = 0  # how many different bodies it joins, at least
     symbol: ClassVar[Any] = None  # in the drawing, a kind of link or "gear"; None where it has none
     has_coordinates: ClassVar[bool] = False  # whether it is a body, or has some
+    parts: ClassVar[tuple[Element, ...]] = ()  # the elements that are added with it
+    weighing: ClassVar[Mapping[str, float]] = {}  # the masses (kg) that gravity acts on, by the coordinate along it
     # further keys of its table in scenes, each with the fields that it gives
     spellings: ClassVar[Mapping[str, tuple[str, ...]]] = {}
 
@@ -108,9 +110,11 @@ class Element(Public):
             cls.kind = "".join(f" {letter.lower()}" if letter.isupper() else letter for letter in cls.__name__).strip()
 
     def __post_init__(self):
-        for name, about in fields_of(type(self)).numbers.items():
+        entries, numbers, *_ = fields_of(type(self))
+        for name, about in numbers.items():
             value = getattr(self, name)
-            if value is not None or fields_of(type(self)).entries[name].default is not None:
+            is_right = type(value) is float and 0.0 < value < math.inf and about.range != "whole"  # mostly
+            if not is_right and value is not entries[name].default:
                 object.__setattr__(self, name, self._number(value, name.replace("_", " "), about))  # a frozen dataclass
 
     def _number(self, value, field: str, about: Numeric) -> float | str:
@@ -146,26 +150,12 @@ class Element(Public):
     @property
     def ends(self) -> dict[str, str | None]:
         """The bodies that it joins, each with the unit that its coordinate must have, None for both."""
-        return dict(self._joined)
-
-    @property
-    def _joined(self) -> list[tuple[str, str | None]]:
-        return [(getattr(self, name), unit) for name, unit in fields_of(type(self)).joins]
-
-    @property
-    def parts(self) -> tuple[Element, ...]:
-        """The elements that are added with it."""
-        return ()
-
-    @property
-    def weighing(self) -> dict[str, float]:
-        """The masses (kg) that gravity acts on, by the coordinate along it."""
-        return {}
+        return {getattr(self, name): unit for name, unit in fields_of(type(self)).joins}
 
     @property
     def default_names(self) -> Iterator[str]:
         """Names for an element without one, the first that is not in use to be chosen."""
-        base = f"{self.kind} {'-'.join(str(body) for body, _ in self._joined[:2])}"
+        base = f"{self.kind} {'-'.join([str(getattr(self, name)) for name, _ in fields_of(type(self)).joins[:2]])}"
         return (f"{base} {number}" if number > 1 else base for number in count(1))
 
 
@@ -189,7 +179,10 @@ def unchecked(kind: type, **values) -> Element:
 
 def with_parts(elements: Iterable[Element]) -> tuple[Element, ...]:
     """The elements, each followed by its parts."""
-    return tuple(one for element in elements for one in (element, *element.parts))
+    result: list[Element] = []
+    for element in elements:
+        result += (element, *element.parts)
+    return tuple(result)
 
 
 # Bodies: the elements that have a coordinate, named as they are.
@@ -202,7 +195,7 @@ class Body(Element):
     name: Annotated[str, "The name of the body and of its coordinate."] = field()
 
     has_coordinates = True
-    unit = property(lambda self: "m")
+    unit: ClassVar[str] = "m"
 
     @property
     def constant(self) -> float:
@@ -210,7 +203,8 @@ class Body(Element):
         return getattr(self, self.kind, 0.0)
 
     def __post_init__(self):
-        if not isinstance(self, Node) and isinstance(self.constant, (int, float)) and self.constant == 0:
+        constant = self.constant
+        if isinstance(constant, (int, float)) and constant == 0 and not isinstance(self, Node):
             node = "rotational node" if self.unit == "rad" else "node"
             raise InputError(f"{self.label}: found no {self.kind}; a point without {self.kind} is a {node}")
         super().__post_init__()
@@ -241,7 +235,7 @@ class Inertia(Body):
 
     inertia: Annotated[Real, Numeric("kg*m^2", "Its moment of inertia about the axis it turns about.", "positive")]
 
-    unit = property(lambda self: "rad")
+    unit = "rad"
 
 
 POINTS = "Points with their distances from the centre of mass along the bar; each is a coordinate, tied to the bar."
@@ -287,7 +281,7 @@ class RigidBar(Mass):
         return f"{self.name} angle"
 
     @property
-    def parts(self) -> tuple[Element, ...]:
+    def parts(self) -> tuple[Element, ...]:  # type: ignore[override]  # constant in other classes
         """The inertia of its angle, a node for each point, and the rows of the points."""
         rows = (
             unchecked(Relation, name=f"{point} on {self.name}", coefficients={point: 1.0, self.name: -1.0, self.angle: -distance})
@@ -344,7 +338,7 @@ class Spring(Link):
 class Damper(Link):
     """A linear damper along the axis: force -damping (x_end' - x_start') on the end, its opposite on the start."""
 
-    damping: Annotated[Real, Numeric("N*s/m", "Force by velocity.", "positive")]
+    damping: Annotated[Real, Numeric("N*s/m", "Force by velocity.", "nonnegative")]
 
     symbol = "damper"
 
@@ -365,7 +359,7 @@ class TorsionSpring(Link):
 class TorsionDamper(Link):
     """A linear torsion damper: torque -damping (q_end' - q_start') on the end, its opposite on the start."""
 
-    damping: Annotated[Real, Numeric("N*m*s/rad", "Torque by angular velocity.", "positive")]
+    damping: Annotated[Real, Numeric("N*m*s/rad", "Torque by angular velocity.", "nonnegative")]
 
     axis, symbol = "rad", "torsion damper"
 
@@ -481,7 +475,7 @@ class DelayedFeedback(TwoEnded):
 
     @property
     def ends(self) -> dict[str, str | None]:
-        return {name: unit for name, unit in self._joined if name is not None}
+        return {name: unit for name, unit in super().ends.items() if name is not None}
 
     @property
     def measured_row(self) -> dict[str, float]:

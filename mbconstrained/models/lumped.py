@@ -106,7 +106,9 @@ class LumpedModel(Displayed):
         **{f"add_{name}": name for name in ("mass", "spring", "damper", "force")},
         "build": "assemble",
         "frequency_response": "assemble().frequency_response",
+        **dict.fromkeys(("fix", "ground"), 'fixed are springs and constraints to "ground", a body that exists in every model'),
         "modes": "assemble().modes",
+        "shaft": "torsion_spring",
         "solve": "assemble().solve",
         "system": "assemble()",
     }
@@ -289,8 +291,7 @@ class LumpedModel(Displayed):
         if turning:
             system.has_one_axis = False
             system.speed_tables, system.unbalance, system.whirl_matrix = turning.tables, turning.unbalance, turning.whirl
-        loss_factors = {element.name: vars(element).get("loss_factor", 0.0) for element in with_parts(elements)}
-        system.loss_factors = {name: factor for name, factor in loss_factors.items() if factor}
+        system.loss_factors = {one.name: eta for one in with_parts(elements) if (eta := vars(one).get("loss_factor"))}
         system.elements = ElementForces(elements, names)
         if not sparse and not (turning and turning.stiffness.any()):
             system.part_source = partial(_energy_parts, factors, names)
@@ -317,9 +318,10 @@ class LumpedModel(Displayed):
         elif not isinstance(name, str) or not name.strip():
             raise InputError(f"{element.kind}: found the name {name!r}; expected a text")
         parts, ends = element.parts, element.ends
-        self._check_names(element, [element.name, *(part.name for part in parts)])
+        self._check_names(element, [element.name, *[part.name for part in parts]])
         for name in ends:
-            self._check_body(element, name)
+            if name not in self._units:
+                self._check_body(element, name)
         if (settled := element.settled(self._units)) is not element:
             element, parts, ends = settled, settled.parts, settled.ends
         for name, unit in ends.items():
@@ -337,8 +339,11 @@ class LumpedModel(Displayed):
         if isinstance(element, Release):
             self._check_release(element)
         self._elements[element.name] = element
-        self._units |= {body.name: body.unit for body in (element, *parts) if isinstance(body, Body)}
-        self._parts.update((part.name, part) for part in parts)
+        for part in parts:
+            self._parts[part.name] = part
+        for body in (element, *parts):
+            if isinstance(body, Body):
+                self._units[body.name] = body.unit
         return element
 
     def _check_release(self, release: Release) -> None:
@@ -454,12 +459,12 @@ def _rows(coefficients: Sequence[Mapping[str, Any]], names: Sequence[str], dtype
     """Coefficients by name as rows, an array or sparse; those of other names, as of the ground, are ignored."""
     place = {name: i for i, name in enumerate(names)}
     known = [(i, place[name], factor) for i, row in enumerate(coefficients) for name, factor in row.items() if name in place]
-    at, shape = tuple(zip(*known))[:2] or ((), ()), (len(coefficients), len(names))
-    values = np.array([factor for *_, factor in known], dtype)
+    i, j, values = zip(*known) if known else ((), (), ())
+    shape = (len(coefficients), len(names))
     if sparse:
-        return scipy.sparse.csr_array((values, at), shape=shape)
+        return scipy.sparse.csr_array((np.array(values, dtype), (i, j)), shape=shape)
     rows = np.zeros(shape, dtype)
-    rows[at] = values
+    rows[i, j] = values
     return rows
 
 

@@ -88,12 +88,12 @@ class Rotor(Element):
         object.__setattr__(self, "points", self._numbers("points", 'distance of "{}"'))
 
     @property
-    def weighing(self) -> dict[str, float]:
+    def weighing(self) -> Mapping[str, float]:  # type: ignore[override]  # constant in other classes
         """Mass of the rotor, along z."""
         return {in_planes(self.name)[1]: self.mass}
 
     @property
-    def parts(self) -> tuple[Element, ...]:
+    def parts(self) -> tuple[Element, ...]:  # type: ignore[override]
         """The masses or bars in both planes, with their own parts."""
         if self.diametral_inertia is None:
             return tuple(unchecked(Mass, name=name, mass=self.mass) for name in in_planes(self.name))
@@ -162,7 +162,7 @@ class Bearing(Element):
         return np.array([_matrix(entry, f"{what} at {speed:g} rad/s") for speed, entry in zip(self.speeds, value)])
 
     @property
-    def parts(self) -> tuple[Element, ...]:
+    def parts(self) -> tuple[Element, ...]:  # type: ignore[override]
         """Springs and dampers in both planes; for a table those of its first speed."""
         parts = []
         for kind, what in ((Spring, "stiffness"), (Damper, "damping")):

@@ -12,7 +12,7 @@ from typing import Literal
 
 import numpy as np
 
-from ..ground.display import TextTable, with_unit
+from ..ground.display import MICRO, TextTable, with_unit
 from ..ground.errors import InputError
 from ..ground.notices import Notice
 from .animation import Animation, Deflections, Shapes, ascending_times, drawable
@@ -20,7 +20,7 @@ from .animation import Animation, Deflections, Shapes, ascending_times, drawable
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 #: A unit with a power, but not a name such as "x^2".
-_POWER = re.compile(r"\b(kg|m|s|A|K|mol|cd|rad|N|J)\^(-?\d+)\b")
+_POWER = re.compile(r"(\b(?:kg|m|s|A|K|mol|cd|rad|N|J)|\))\^(-?\d+)\b")
 
 
 def typeset(text: str) -> str:
@@ -35,8 +35,8 @@ def typeset(text: str) -> str:
 def raised(text: str) -> str:
     """Units with raised powers.
 
-    >>> raised("m/s^2")
-    'm/s²'
+    >>> raised("m/s^2"), raised("(m/s)^5")
+    ('m/s²', '(m/s)⁵')
     """
     return _POWER.sub(lambda power: power[1] + superscript(int(power[2])), text)
 
@@ -47,7 +47,7 @@ def unit_text(unit: str) -> str:
     >>> unit_text("N*m^2/rad"), unit_text("um/us")
     ('N·m²/rad', 'µm/µs')
     """
-    return raised(re.sub(r"\bu(?=(m|s|g|N|rad|Pa|V|A|J|W)\b)", "µ", unit)).replace("*", "·")
+    return raised(MICRO.sub("µ", unit)).replace("*", "·")
 
 
 def superscript(number: int) -> str:

@@ -38,6 +38,7 @@ from .content import (
     axis_of,
     is_power,
     measured,
+    raised,
     shortened,
     superscript,
     typeset,
@@ -380,7 +381,7 @@ def _cell_rectangles(cells: Cells, across: Axis, up: Axis) -> Iterator[str]:
             size = f'width="{x[column + 1] - x[column]}" height="{y[row] - y[row + 1]}"'
             place = f"{across_places[column]!r} {up_places[row]!r} {float(cells.values[row, column])!r}"
             look = f'fill="{color}"' if color else 'class="unknown"'
-            yield f'<rect x="{x[column]}" y="{y[row + 1]}" {size} {look} data-at="{place}"><title>{html.escape(text)}</title></rect>'
+            yield f'<rect x="{x[column]}" y="{y[row + 1]}" {size} {look} data-at="{place}"><title>{html.escape(raised(text))}</title></rect>'
 
 
 def _colors(cells: Cells) -> list[list[str]]:
@@ -417,7 +418,7 @@ def _marks(plot: Plot, across: Axis, up: Axis, height: int) -> Iterator[str]:
         own += ' visibility="hidden"' * (marks.curve is not None and marks.curve >= plot.shown)
         for point, text in zip_longest(marks.points.tolist(), marks.texts, fillvalue=""):
             x, y = (float(axis.shares(value)) for axis, value in zip((across, up), point))
-            title = html.escape(text)
+            title = html.escape(raised(text))
             title = title if marks.shape == "text" else f"<title>{title}</title>" if text else ""
             place = f'x="{100 * x:.2f}%" y="{height * (1 - y):.1f}" data-at="{point[0]!r} {point[1]!r}"'
             yield f'<svg class="mark" {place}{own}>{_mark(plot, marks, title)}</svg>'

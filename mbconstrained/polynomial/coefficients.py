@@ -31,7 +31,10 @@ class PolynomialCoefficients(Public):
             matrix.factors if hasattr(matrix, "directions") else matrix for matrix in coefficients
         ]
         self.factors = tuple(matrix if isinstance(matrix, Factors) else None for matrix in given)
-        matrices = given if _are_checked(given) else [_assembled(matrix, f"A_{power}") for power, matrix in enumerate(given)]
+        matrices = [
+            matrix if type(matrix) is np.ndarray and matrix.dtype == float else _assembled(matrix, f"A_{power}")
+            for power, matrix in enumerate(given)
+        ]
         if not matrices:
             raise InputError("a polynomial matrix needs at least one coefficient, A_0; none was given")
         for power, matrix in enumerate(matrices):
@@ -40,11 +43,15 @@ class PolynomialCoefficients(Public):
             if matrix.shape != matrices[0].shape:
                 raise InputError(f"A_{power} has shape {matrix.shape}, but A_0 has {matrices[0].shape}; all must agree")
         self.coefficients = np.array(matrices)
+        if not np.isfinite(self.coefficients).all():
+            for power, matrix in enumerate(matrices):
+                real_array(matrix, f"A_{power}")
         self.coefficients.flags.writeable = False
         shape = self.coefficients.shape
         self.uncertainty = (
             constant_zeros(shape) if uncertainty is None else np.abs(real_array(uncertainty, "uncertainty", shape=shape))
         )
+        self.is_uncertain = uncertainty is not None and bool(self.uncertainty.any())
         self._pairs: dict = {}
         self.coordinates = names_of(coordinates, shape[2], "coordinates", "x")
         self.equations = names_of(equations, shape[1], "equations", "equation ")
@@ -111,11 +118,6 @@ def _not_square(equations: int, coordinates: int) -> str:
     else:
         remedy = "some equations are redundant or contradict others. Leave those out"
     return f"{text}: {remedy}; A.structure() shows which they are."
-
-
-def _are_checked(given: list) -> bool:
-    """Whether all are matrices of finite float64 numbers."""
-    return all(type(matrix) is np.ndarray and matrix.dtype == float and np.isfinite(matrix).all() for matrix in given)
 
 
 def _assembled(matrix, what: str) -> np.ndarray:

@@ -17,21 +17,10 @@ import numpy as np
 import scipy
 
 from ..ground.tolerances import CLEAR_KEPT, DIVISOR_CONDITION, REFINED_CONDITION, STIFFNESS_CONDITION
-from ..linalg.arrays import (
-    Matrix,
-    entries,
-    entry_count,
-    filled_columns,
-    filled_rows,
-    full,
-    kept,
-    others,
-    shifted_unit,
-    zeros_of_kind,
-)
+from ..linalg.arrays import Matrix, entries, entry_count, filled, full, kept, matrix_of, others
 from ..linalg.division import condition, definite_condition, is_symmetric, solution, without_noise
 from ..linalg.rank import Noisy, reduce_in_order
-from ..linalg.scaling import column_units, equilibration
+from ..linalg.scaling import equilibration
 from ..linalg.symmetric import may_be_wide, modes_of_elements
 from .coefficients import PolynomialCoefficients
 from .reduced_equations import FEW_STATES, Conserved, Freed, NotReducible, Reduction, conserved, freed, lowest
@@ -56,7 +45,7 @@ def _reduction_of(A: PolynomialCoefficients, like: Reduction | None, by_elements
         raise NotReducible(f"A(s) has degree {A.degree}")
     if any(A.factors) and not by_elements:
         raise NotReducible("stiffness is assembled from factors, whose differences float64 would round")
-    if A.uncertainty.any():
+    if A.is_uncertain:
         raise NotReducible("entries of A(s) are uncertain")
     A0, A1, A2 = given = [kept(matrix) for matrix in A.coefficients] + [kept(np.zeros((A.size, A.size)))] * (2 - A.degree)
     rows, columns = A.coefficients[1:].any(axis=2), A.coefficients[1:].any(axis=1)
@@ -67,7 +56,7 @@ def _reduction_of(A: PolynomialCoefficients, like: Reduction | None, by_elements
     if len(second) + len(first) != V.shape[1]:
         raise NotReducible("equations with masses and dampers and coordinates with them differ in number")
     M = product(A2[second], V)
-    m, columns = len(second), filled_columns(M)
+    m, columns = len(second), filled(M, 0)
     if np.count_nonzero(columns) != m:
         raise NotReducible(_SINGULAR_MASS)
     if not columns[:m].all():  # coordinates with mass first
@@ -83,7 +72,7 @@ def _reduction_of(A: PolynomialCoefficients, like: Reduction | None, by_elements
     if not largest <= DIVISOR_CONDITION:  # a row may be left without anything
         raise NotReducible(f"masses, dampers or algebraic equations are near-singular (condition {largest:.0e})")
     floor, powers = lowest(M, C, K)
-    if len(algebraic) and (filled_rows(A0[rest] @ V)[powers > 0].any() or filled_rows(A1[rest] @ V)[powers > 1].any()):
+    if len(algebraic) and (filled(A0[rest] @ V, 1)[powers > 0].any() or filled(A1[rest] @ V, 1)[powers > 1].any()):
         raise NotReducible("the stiffness or damping of a row is zero to rounding only")
     equations, unconstrained = (M, C, K), None
     if by_elements:
@@ -126,7 +115,7 @@ def _conserved(equations, floor: np.ndarray, powers: np.ndarray, freed: Freed | 
     """Conserved quantities of rows without stiffness, in the place of coordinates on which nothing depends where they exist."""
     M, C, K = equations
     rows = np.argsort(-powers, kind="stable")[: np.count_nonzero(powers)]  # rows of s^2 first: x_d is in none of them
-    ignorable = ~filled_columns(K) & ~(filled_columns(C) & (powers.max() > 1))
+    ignorable = ~filled(K, 0) & ~(filled(C, 0) & (powers.max() > 1))
     return conserved(M, C, rows, powers[rows], pivots_of(floor[rows], ignorable, equilibration(np.abs(floor))[1]), freed)
 
 
@@ -141,7 +130,7 @@ def eliminated(rows: np.ndarray, static: np.ndarray, like: Matrix) -> tuple[Matr
     """V, Y with x = V x_f + Y g where rows x = g, the coordinates x_f, and the condition number of the part of the others."""
     size = len(static)
     if not len(rows):
-        return shifted_unit(size, size, 0, like), zeros_of_kind((size, 0), like), np.arange(size), 1.0
+        return matrix_of((size, size), like, (0, 0, np.ones(size))), matrix_of((size, 0), like), np.arange(size), 1.0
     pivots = pivots_of(rows, static)
     own = np.inf if pivots is None else condition(rows[:, pivots])
     if own > DIVISOR_CONDITION:
@@ -187,7 +176,7 @@ def matching_rows(M: Matrix) -> np.ndarray | None:
 
 def pivots_of(rows: np.ndarray, static: np.ndarray, units: np.ndarray | None = None) -> np.ndarray | None:
     """A pivot column for each row by elimination, static coordinates before others; None where rows depend on each other."""
-    units = column_units(np.abs(rows)) if units is None else units
+    units = equilibration(np.abs(rows))[1] if units is None else units
     if len(rows) == 1:  # the largest entry of one row serves
         size = np.abs(rows[0]) * units
         return (np.where(static, size, 0.0) if size[static].any() else size).argmax(keepdims=True) if size.any() else None

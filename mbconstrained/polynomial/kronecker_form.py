@@ -37,7 +37,7 @@ def kronecker_structure(A: PolynomialCoefficients, rank_tolerance: float | None 
     if in_float64 and not (form and form.is_clear):
         form = _form(A, rank_tolerance, by_rotation=True) or form
     is_small = max(A.shape) * max(A.degree, 1) <= PRECISE_KRONECKER_STATES
-    if in_float64 and not (form and form.is_clear) and rank_tolerance is None and is_small and not A.uncertainty.any():
+    if in_float64 and not (form and form.is_clear) and rank_tolerance is None and is_small and not A.is_uncertain:
         written = _form(A, 0.0, in_float64=False)
         if written and (_is_short(A.coefficients) or (form and written.indices == form.indices)):
             form = written

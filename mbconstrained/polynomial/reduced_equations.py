@@ -30,16 +30,12 @@ from ..linalg.arrays import (
     diagonal_parts,
     entries,
     entry_count,
-    filled_rows,
+    filled,
     full,
-    hstack,
-    is_finite,
     kept,
+    matrix_of,
     of_like_kind,
     others,
-    shifted_unit,
-    vstack,
-    zeros_of_kind,
 )
 from ..linalg.blocks import (
     BlockDiagonal,
@@ -97,10 +93,10 @@ class Conserved:
 
 def lowest(M: Matrix, C: Matrix, K: Matrix) -> tuple[Matrix, np.ndarray]:
     """The lowest nonzero coefficient of each row, and its power of s, for M of shape (m, m), C and K of (m + d, m + d)."""
-    stiff = filled_rows(K)
+    stiff = filled(K, 1)
     if stiff.all():
         return K, np.zeros(len(stiff), dtype=int)
-    powers = ~stiff * (2 - filled_rows(C))
+    powers = ~stiff * (2 - filled(C, 1))
     result, m = full(K).copy(), M.shape[0]
     slow, free = powers == 1, (powers == 2).nonzero()[0]
     result[slow] = full(C)[slow]
@@ -158,7 +154,17 @@ def decoupled_with_conserved(S: np.ndarray, given: Conserved, decoupled: Callabl
         rows, own = rows - X @ L, own + basis[:, :count] @ X
     if not (np.abs(own) * np.abs(L.T)).sum(axis=0).max() <= DECOUPLING_LIMIT:
         return _by_clusters(A, D, J, basis, inverse)
-    return _with_conserved(decoupled(A, rest), basis[:, :count], rows, own, given)
+    parts = decoupled(A, rest)
+    rate = max((float(np.abs(block).max()) for block in parts.blocks), default=0.0)
+    unit = 2.0 ** np.rint(np.log2(rate)) if rate else 1.0  # growth with a momentum is scaled by the others' unit of time
+    units = np.concatenate([[1.0, unit][: len(block)] for block in given.blocks])
+    return BlockDiagonal(
+        np.concatenate([basis[:, :count] @ parts.basis, own * units], axis=1),
+        np.concatenate([parts.inverse @ rows, L / units[:, None]]),
+        (*parts.blocks, *(unit * block for block in given.blocks)),
+        parts.coupling,
+        len(given.blocks),
+    )
 
 
 def _decoupled_with_slow(A, D, blocks, left: np.ndarray, basis, inverse, decoupled) -> BlockDiagonal:
@@ -169,7 +175,7 @@ def _decoupled_with_slow(A, D, blocks, left: np.ndarray, basis, inverse, decoupl
     """
     count, size, sizes = len(A), len(basis), [len(block) for block in blocks]
     own = balancing_units(kept(A))
-    rate = _power_of_two(np.abs(A * own / own[:, None]).max())
+    rate = 2.0 ** np.rint(np.log2(np.abs(A * own / own[:, None]).max()))
     units = np.concatenate([own, *(np.array([1.0, rate])[:width] for width in sizes)])
     basis, inverse = basis * units, inverse / units[:, None]  # the iterations end where their largest entries are right
     whole = np.block([[A, D], [left + np.hstack([np.zeros((size - count, count)), block_matrix(blocks)])]]) * units / units[:, None]
@@ -211,11 +217,6 @@ def _of_bodies(slow: np.ndarray, sizes: list[int], decoupled: Callable[[], Block
     return BlockDiagonal(np.kron(shapes, np.eye(2)), np.kron(rows, np.eye(2)), blocks, 1.0)
 
 
-def _power_of_two(size: float) -> float:
-    """The nearest power of two."""
-    return float(2.0 ** np.rint(np.log2(size)))
-
-
 def _fixed_point(following: Callable[[np.ndarray], np.ndarray], shape: tuple[int, ...]) -> np.ndarray:
     """x = following(x) by iteration from zero; not finite without convergence."""
     x = np.zeros(shape)
@@ -224,20 +225,6 @@ def _fixed_point(following: Callable[[np.ndarray], np.ndarray], shape: tuple[int
         if np.abs(x - before).max(initial=0.0) <= 4 * EPS * np.abs(x).max(initial=0.0):
             return x
     return np.full(shape, np.inf)
-
-
-def _with_conserved(parts: BlockDiagonal, basis, inverse, own, given: Conserved) -> BlockDiagonal:
-    """The conserved quantities after the others; growth with a momentum is scaled by the others' unit of time."""
-    rate = max((float(np.abs(block).max()) for block in parts.blocks), default=0.0)
-    unit = _power_of_two(rate) if rate else 1.0
-    units = np.concatenate([[1.0, unit][: len(block)] for block in given.blocks])
-    return BlockDiagonal(
-        np.concatenate([basis @ parts.basis, own * units], axis=1),
-        np.concatenate([parts.inverse @ inverse, given.rows / units[:, None]]),
-        (*parts.blocks, *(unit * block for block in given.blocks)),
-        parts.coupling,
-        len(given.blocks),
-    )
 
 
 def _by_clusters(A, D, J, basis, inverse) -> BlockDiagonal:
@@ -441,29 +428,25 @@ class Reduction:
     def output(self) -> Matrix:
         """x from the states w = (x_m, x_m', x_d), shape (r, 2 m + d), without Y g."""
         m = len(self.second)
-        return hstack(self.V[:, :m], zeros_of_kind((self.V.shape[0], m), self.V), self.V[:, m:])
+        return matrix_of((self.V.shape[0], self.state_count), self.V, (0, 0, self.V[:, :m]), (0, 2 * m, self.V[:, m:]))
 
-    def solved(self, right: Matrix) -> tuple[Matrix, Matrix]:
-        """(x_m'', x_d') where M x_m'' + C_md x_d' and C_dd x_d' are these right sides, shape (m + d, any)."""
-        m = len(self.second)
-        if not len(self.first):
-            return self.divided_by_mass(right), right[m:]
-        rates, C = accurately_solved(self.C[m:, m:], right[m:]), self.C[:m, m:]
-        left = without_noise(right[:m] - C @ rates, abs(right[:m]) + abs(C) @ abs(rates))
-        return self.divided_by_mass(left), rates
-
-    def divided_by_mass(self, right: Matrix) -> Matrix:
-        """M^-1 times a matrix."""
-        return accurately_solved(self.M, right)
+    def rates(self, right: Matrix) -> Matrix:
+        """(0, x_m'', x_d') where M x_m'' + C_md x_d' and C_dd x_d' are these right sides, shape (m + d, any)."""
+        m, left, rates = len(self.second), right, right[:0]
+        if len(self.first):
+            rates, C = accurately_solved(self.C[m:, m:], right[m:]), self.C[:m, m:]
+            left = without_noise(right[:m] - C @ rates, abs(right[:m]) + abs(C) @ abs(rates))
+        parts = (m, 0, accurately_solved(self.M, left)), (2 * m, 0, rates)
+        return matrix_of((self.state_count, right.shape[1]), self.K, *parts)
 
     @cached_property
     def generator(self) -> Matrix:
         """S, shape (2 m + d, 2 m + d)."""
-        m, d = len(self.second), len(self.first)
-        by_state = -hstack(self.K[:, :m], self.C[:, :m], self.K[:, m:])
+        m, n = len(self.second), self.state_count
+        by_state = (0, 0, -self.K[:, :m]), (0, m, -self.C[:, :m]), (0, 2 * m, -self.K[:, m:])
         with np.errstate(over="ignore", invalid="ignore"):  # see ``is_finite``
-            accelerations, rates = self.solved(by_state)
-        return vstack(shifted_unit(m, 2 * m + d, m, self.K), accelerations, rates)
+            rates = self.rates(matrix_of((n - m, n), self.K, *by_state))
+        return matrix_of((n, n), self.K, (0, 0, rates), (0, m, np.ones(m)))
 
     @cached_property
     def units(self) -> np.ndarray:
@@ -473,7 +456,8 @@ class Reduction:
     @cached_property
     def is_finite(self) -> bool:
         """Whether S is in the range of float64."""
-        return is_finite(self.generator)
+        S = self.generator
+        return bool(np.isfinite(S if isinstance(S, np.ndarray) else S.data).all())
 
     @cached_property
     def spread_bound(self) -> float:
@@ -491,20 +475,17 @@ class Reduction:
     def spread(self) -> float:
         """The modulus ratio of the fastest and the slowest eigenvalue, without those of rows without stiffness, and of bodies."""
         known = self.is_small or self.conserved is not None
-        moduli = np.abs(zeros_of(self._own_blocks) if known else np.linalg.eigvals(full(self.generator)))
+        if not known:
+            moduli = np.abs(np.linalg.eigvals(full(self.generator)))
+        elif self.freed is not None and self.is_symmetric:  # without exact blocks of slow motions of softly supported bodies
+            sizes = [np.abs(zeros_of([block])).max() for block in self.decoupled.blocks]
+            moduli = np.abs(zeros_of([self.decoupled.blocks[i] for i in np.argsort(sizes)[len(self.freed.sums) :]]))
+        else:
+            moduli = np.abs(zeros_of(self.decoupled.blocks[: len(self.decoupled.blocks) - self.decoupled.exact_blocks]))
         if self.conserved is not None:
             moduli = moduli[moduli > 0]
         largest = moduli.max(initial=0.0)
         return float(largest / max(moduli.min(initial=largest), EPS * largest)) if largest else 1.0
-
-    @property
-    def _own_blocks(self) -> tuple[np.ndarray, ...]:
-        """The blocks without exact ones of slow motions of softly supported bodies."""
-        blocks = self.decoupled.blocks
-        if self.freed is not None and self.is_symmetric:
-            sizes = [np.abs(zeros_of([block])).max() for block in blocks]
-            return tuple(blocks[i] for i in np.argsort(sizes)[len(self.freed.sums) :])
-        return blocks[: len(blocks) - self.decoupled.exact_blocks]
 
     @cached_property
     def modal_residual(self) -> float:
@@ -576,7 +557,7 @@ class Reduction:
         if len(self.first) or not self.is_reciprocal or self._is_softly_supported:
             return False
         damped = entry_count(self.C) > 0
-        if damped and not is_symmetric(self.C @ self.divided_by_mass(self.K)):
+        if damped and not is_symmetric(self.C @ accurately_solved(self.M, self.K)):
             return False
         if not damped and is_semidefinite(self.K):
             return True
@@ -609,9 +590,7 @@ class Reduction:
     @cached_property
     def is_dissipative(self) -> bool:
         """Whether no motion can grow: M, K positive definite, C positive semidefinite, all symmetric."""
-        m, d = len(self.second), len(self.first)
-        M = vstack(hstack(self.M, zeros_of_kind((m, d), self.M)), zeros_of_kind((d, m + d), self.M))
-        return all(is_symmetric(matrix) and is_semidefinite(matrix) for matrix in (M, self.C, self.K))
+        return all(is_symmetric(matrix) and is_semidefinite(matrix) for matrix in (self.M, self.C, self.K))
 
     @cached_property
     def decoupled(self) -> BlockDiagonal | ResidueModes:

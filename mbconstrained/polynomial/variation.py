@@ -21,7 +21,7 @@ from ..ground.tolerances import (
     STIFFNESS_CONDITION,
     noise_of,
 )
-from ..linalg.arrays import lapack, product
+from ..linalg.arrays import lapack
 from ..linalg.blocks import coupled_rows
 from ..linalg.division import condition, is_symmetric
 from ..linalg.rank import Noisy, null_columns
@@ -70,8 +70,11 @@ class VariedSpectrum:
 
     def varied(self, parameter: float, slope: np.ndarray) -> VariedSpectrum:
         """The spectrum with its couplings at p, vectors of equal eigenvalues combined so that they are limits of those for p + dp."""
-        motions, zero = (self.right, self.velocity, self.velocity * self.values), np.zeros_like(self.right)
-        coupling = -self.left @ sum((product(matrix, motion) for matrix, motion in zip(slope, motions) if matrix.any()), zero)
+        motions, change = (self.right, self.velocity, self.velocity * self.values), np.zeros_like(self.right, order="C")
+        for matrix, motion in zip(slope, motions):
+            if matrix.any():  # real and imaginary parts at once
+                change = change + (matrix @ np.ascontiguousarray(motion).view(float)).view(complex)
+        coupling = -self.left @ change
         result, groups = replace(self, parameter=parameter, coupling=coupling), equal_groups(self.values, self.noise)
         if not groups:
             return result

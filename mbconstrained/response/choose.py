@@ -123,7 +123,7 @@ def unproved(problem: Problem) -> str:
         return f"{states} states are more than {PROVED_STATES}"
     if restarts > PROVED_RESTARTS:
         return f"the force restarts at {counted(restarts, 'time')}"
-    if problem.rank_tolerance is not None or A.uncertainty.any():
+    if problem.rank_tolerance is not None or A.is_uncertain:
         return "the data are uncertain, and are no exact numbers"
     return ""
 

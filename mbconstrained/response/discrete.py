@@ -174,7 +174,7 @@ class ExactInverse:
     def by_rows(self) -> ShiftRecursion | None:
         """The recursion by the highest powers of the rows, where all numbers count as exact and need no rank decision."""
         A = self.polynomial_matrix
-        if self.rank_tolerance is not None or A.uncertainty.any() or any(factors is not None for factors in A.factors):
+        if self.rank_tolerance is not None or A.is_uncertain or any(factors is not None for factors in A.factors):
             return None
         return ShiftRecursion.of_rows(A)
 

@@ -16,7 +16,7 @@ import numpy as np
 import scipy
 
 from ..ground.tolerances import noise_of
-from ..linalg.arrays import Matrix, entry_count, full, hstack, kept, of_like_kind, vstack, zeros_of_kind
+from ..linalg.arrays import Matrix, entry_count, full, kept, matrix_of, of_like_kind
 from ..linalg.blocks import CHUNK_ENTRIES, block_slices
 from ..linalg.division import accurately_solved
 from ..linalg.recursion import ExponentialSeries, Propagator
@@ -124,16 +124,16 @@ class Flow:
         if impulsive is not None:
             start = start + impulsive[:, 0]
         if not smooth.blocks:
-            nothing = zeros_of_kind((len(start), 0), reduction.K)
+            nothing = matrix_of((len(start), 0), reduction.K)
             return cls(reduction, force, initial, start, nothing, reduction.output, impulsive, jumping=jumping)
         J, columns = (of_like_kind(matrix, reduction.K) for matrix in (smooth.generator, smooth.coefficients))
         algebraic, right = columns[reduction.algebraic], columns[np.concatenate([reduction.second, reduction.first])]
-        output = hstack(reduction.output, reduction.Y @ algebraic)
+        x = reduction.output
+        output = matrix_of((x.shape[0], len(start) + columns.shape[1]), x, (0, 0, x), (0, len(start), reduction.Y @ algebraic))
         if entry_count(algebraic):
             for matrix in reduction.through:
                 right, algebraic = right - matrix @ algebraic, algebraic @ J
-        accelerations, rates = reduction.solved(right)
-        excitation = vstack(zeros_of_kind(accelerations.shape, reduction.K), accelerations, rates)
+        excitation = reduction.rates(right)
         return cls(reduction, force, initial, start, excitation, output, impulsive, jumping=jumping)
 
     def after(self, knot: int, states: np.ndarray) -> Flow:
@@ -149,7 +149,8 @@ class Flow:
         if not m:
             return S
         J = of_like_kind(self.force.smooth.generator, S)
-        return vstack(hstack(S, self.excitation), hstack(zeros_of_kind((m, S.shape[0]), S), J))
+        n = len(self.start)
+        return matrix_of((n + m, n + m), S, (0, 0, S), (0, n, self.excitation), (n, n, J))
 
     @cached_property
     def knots(self) -> np.ndarray:
@@ -361,22 +362,21 @@ def _jumps_to_algebraic_equations(reduction: Reduction, initial: np.ndarray, smo
         rest.append(np.where(np.abs(beyond) <= noise_of(size, len(size)), 0.0, beyond))
         at_zero = smooth.generator @ at_zero
     damped = reduction.given[1]
-    moved = reduction.divided_by_mass(reduction.given[2][second] @ rest[0]) if m else states[:0]
+    moved = accurately_solved(reduction.M, reduction.given[2][second] @ rest[0]) if m else states[:0]
     slow = accurately_solved(C[m:, m:], damped[first] @ rest[0] - C[m:, :m] @ moved)
     if not m:
         return slow
     momentum = reduction.given[2][second] @ rest[1] + damped[second] @ rest[0] - C[:m] @ np.concatenate([moved, slow])
-    return np.concatenate([moved, reduction.divided_by_mass(momentum), slow])
+    return np.concatenate([moved, accurately_solved(reduction.M, momentum), slow])
 
 
 def _jumps_by_impulses(reduction: Reduction, force: ImpulsiveSmooth) -> np.ndarray | None:
     """Jumps of w at the knots of a force: M x_m'' + C_md x_d' and C_dd x_d' contain its impulses, all other terms are finite."""
     if not (force.impulses or force.later):
         return None
-    m, rows = len(reduction.second), np.concatenate([reduction.second, reduction.first])
+    rows = np.concatenate([reduction.second, reduction.first])
     right = np.zeros((len(rows), len(force.knots)))
     for load in (ImpulsiveLoad(0.0, force.impulses), *force.later):
         for impulse in load.impulses:
             right[:, np.searchsorted(force.knots, load.time)] += impulse[rows]
-    accelerations, rates = reduction.solved(of_like_kind(right, reduction.K))
-    return full(vstack(zeros_of_kind((m, right.shape[1]), reduction.K), accelerations, rates))
+    return full(reduction.rates(of_like_kind(right, reduction.K)))

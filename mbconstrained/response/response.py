@@ -243,7 +243,11 @@ class Response(Exported, Presented, Pictured):
         """
         return named_array(self.function(times), self.polynomial_matrix.coordinates)
 
-    _instead: ClassVar = dict.fromkeys(("t", "time", "times"), "it is a function of time: call it with times of your choice")
+    _instead: ClassVar = {
+        **dict.fromkeys(("t", "time", "times"), "it is a function of time: call it with times of your choice"),
+        **dict.fromkeys(("animate", "page", "to_html"), "write_page"),
+        **dict.fromkeys(("max", "maximum"), "peaks"),
+    }
 
     def __getitem__(self, name: str) -> CoordinateFunction:
         """The function of one coordinate: ``x["cart"](t)``, ``x["cart"].derivative()(t)``.

@@ -309,16 +309,16 @@ def _kernels(A: PolynomialMatrix, rank_tolerance: float | None) -> _Kernels:
 
     Numbers such as 0.1 are no binary fractions: where their rounding errors make equations independent, the decimals are taken.
     """
-    from ..exact.kernels import exact_matrix
+    from ..exact.rational import RationalMatrix
 
     binary = _fractions(A.exact_coefficients)
     is_small = A.degree * max(A.shape) <= MOST_EXACT_STATES
     if is_small and rank_tolerance is None and all(entry.numerator.bit_length() <= SHORT_BITS for entry in binary.ravel().tolist()):
-        return _exact_kernels(binary, exact_matrix(binary))
+        return _exact_kernels(binary, RationalMatrix(binary))
     structure = A.structure(rank_tolerance)
     expected = structure.left_minimal_indices, structure.right_minimal_indices
     for numbers in (binary, _fractions(A.coefficients, lambda entry: Fraction(repr(entry)))) if is_small else ():
-        if (matrix := exact_matrix(numbers)).rank == structure.rank:
+        if (matrix := RationalMatrix(numbers)).rank == structure.rank:
             kernels = _exact_kernels(numbers, matrix)
             if expected == tuple(tuple(len(vector) - 1 for vector in side) for side in (kernels.left, kernels.right)):
                 return kernels

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, ClassVar, Literal
 from xml.etree.ElementTree import Element
 
 import numpy as np
@@ -34,6 +34,11 @@ from .tangent import BASE, JointGear, Tangent, geared, locked_values, mimic_rows
 
 class RobotModel(Displayed):
     """Data of a ``Robot``, without the answers to questions about it."""
+
+    _instead: ClassVar = {
+        "fk": "link_frames",
+        **dict.fromkeys(("frequencies_hz", "modes", "solve"), "linearize it first: robot.linearize(robot.equilibrium()).modes()"),
+    }
 
     def __init__(
         self,

@@ -37,7 +37,7 @@ def with_time(unit: str, power: int) -> str:
 ACCELERATION = "m/s^2"
 
 #: Units that are shown by another name than in the table of units.
-_SHOWN = {"gn": "g"}
+_SHOWN = {"gn": "g", "rpm": "rev/min"}
 
 #: Quantities that may have a unit, by the words of a scene: the SI units in which they are measured along lines and about axes.
 QUANTITIES = {
@@ -57,7 +57,7 @@ class OutputUnits:
 
     >>> units = OutputUnits(("mm", "deg", "rpm", "kN"), (("clutch", "N*mm"),))
     >>> units.of("m/s"), units.of("N m"), units.of("rad/s")[0], units.of("J")
-    (('mm/s', 1000.0), ('kN m', 0.001), 'rpm', ('J', 1.0))
+    (('mm/s', 1000.0), ('kN m', 0.001), 'rev/min', ('J', 1.0))
     >>> units.of("m/s^2"), OutputUnits(("mm", "mm/s^2")).of("m/s^2")
     (('m/s^2', 1.0), ('mm/s^2', 1000.0))
     >>> units.of("N m", "clutch")

@@ -211,6 +211,7 @@ def read_text(path: Path, kind: FileKind = SCENE) -> str:
             content = file.read(LARGEST_SCENE + 1)
     except FileNotFoundError:
         near = nearest(path.name, [other.name for other in path.parent.glob("*.toml")]) if path.parent.is_dir() else ""
+        near = '; it has at least urdf = "FILE"' if path.name == ROBOT_FILE else near
         raise SceneError(f"{path}: there is no such file{near}") from None
     except SceneError:  # a ValueError as well
         raise
@@ -354,7 +355,8 @@ def robot_path(name: str, folder: Path) -> Path:
     if not path.exists():
         raise InputError(f"found {shown(name)}; there is no such folder or file")
     if not path.is_dir() and path.suffix != ".toml":
-        raise InputError(f"found {shown(name)}; expected the folder of a robot, or its {ROBOT_FILE}")
+        hint = f'; next to the URDF write a {ROBOT_FILE} with urdf = "{path.name}"' if path.suffix == ".urdf" else ""
+        raise InputError(f"found {shown(name)}; expected the folder of a robot, or its {ROBOT_FILE}{hint}")
     return path / ROBOT_FILE if path.is_dir() else path
 
 

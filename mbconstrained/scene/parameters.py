@@ -161,18 +161,24 @@ def _admitted(node: ast.expr, source: str, names: list[str], text: str) -> ast.e
     if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Pow):
         exponent = ast.get_source_segment(source, node.right) or ""
         if not re.fullmatch(r"[+-]?\s*\d{1,3}", exponent, re.ASCII) or abs(int(exponent.replace(" ", ""))) > LARGEST_EXPONENT:
-            raise InputError(f"found {shown('=' + text)}; expected a whole number up to {LARGEST_EXPONENT} behind ^")
+            advice = ADVICE if exponent.replace(" ", "") in ("0.5", "(1/2)") else ""
+            raise InputError(f"found {shown('=' + text)}; expected a whole number up to {LARGEST_EXPONENT} behind ^{advice}")
         return ast.BinOp(_admitted(node.left, source, names, text), node.op, node.right)
     if isinstance(node, ast.BinOp) and type(node.op) in _BINARY:
         return ast.BinOp(_admitted(node.left, source, names, text), node.op, _admitted(node.right, source, names, text))
     if isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
-        raise _refusal(text, f"with the function {names[int(node.func.id[1:])]}(…) in it")
+        name = names[int(node.func.id[1:])]
+        raise _refusal(text, f"with the function {name}(…) in it", ADVICE if name == "sqrt" else "")
     raise _refusal(text, "with something else in it")
 
 
-def _refusal(text: str, what: str) -> InputError:
+#: On roots: those of elements given by frequency and damping ratio are avoidable.
+ADVICE = '; without roots: take w = sqrt(k/m) as the parameter, then k is "=m*w^2" and c is "=2*zeta*m*w"'
+
+
+def _refusal(text: str, what: str, advice: str = "") -> InputError:
     return InputError(
-        f"found {shown('=' + text)}, {what}; an expression has numbers, perhaps with units, names, + - * / ^ and parentheses"
+        f"found {shown('=' + text)}, {what}; an expression has numbers, perhaps with units, names, + - * / ^ and parentheses{advice}"
     )
 
 

@@ -169,7 +169,7 @@ def test_page_files_and_interference_diagram(command, tmp_path):
     page = (tmp_path / "out" / "one.orders.html").read_text(encoding="utf-8")
     assert all(title in page for title in ("Interference diagram", "Run-up of machine", "machine by order"))
     head = (tmp_path / "out" / "one.orders.csv").read_text().splitlines()[0]
-    assert head.startswith("speed (rpm),largest machine (m),RMS machine (m),order 1 machine (m)")
+    assert head.startswith("speed (rev/min),largest machine (m),RMS machine (m),order 1 machine (m)")
     code, output, _ = command("campbell", "one.toml", "--out", "out")
     rows = [line.split()[:2] for line in output.splitlines() if line.split()[:1] in (["1"], ["2"])]
     damped = 600 * np.sqrt(1 - 0.05**2)

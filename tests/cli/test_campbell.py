@@ -90,3 +90,15 @@ def test_orders_of_different_numbers_of_critical_speeds_share_the_speeds_of_the_
     first, second = own.responses.values()
     np.testing.assert_array_equal(first.speeds, second.speeds)
     assert len(first.speeds) > 5
+
+
+def test_the_page_moves_the_rotor_in_each_critical_shape():
+    answer = read_scene("examples/rotor.toml").campbell()
+    page, critical = answer.page(), answer.to_dict()["critical_speeds"]
+    assert len(page.animation.modes) == len(critical) == 4 and page.tables[0].title != "Critical speeds"
+    y, z = (page.animation.names.index(name) for name in ("A y", "A z"))
+    for mode, one in zip(page.animation.modes, critical):
+        assert mode.period == pytest.approx(2 * np.pi / one["speed"], rel=1e-12)  # order 1
+        a, b = mode.values[y], mode.values[z]
+        turned = a[0] * b[1] - a[1] * b[0]  # the orbit runs from y to z, as the rotor turns, in forward whirl
+        assert (turned > 0) == (dict(mode.facts)["whirl"] == "forward")

@@ -226,12 +226,15 @@ def test_times_without_seconds_are_not_minutes_with_decimals(tmp_path):
 def test_units_that_a_name_may_mean_are_noted(tmp_path):
     (tmp_path / "a.csv").write_text("t_ms,a (g)\n0,1\n500,2\n")
     record = mb.read_record(tmp_path / "a.csv")
-    assert record.times.tolist() == [0, 500] and record.unit == "kg"
+    assert record.times.tolist() == [0, 500] and record.unit == "m/s^2"
     assert [notice.text for notice in record.notices] == [
         'a.csv: the name "t_ms" may mean ms; s is taken: give time_unit = "ms" if it does',
-        'a.csv: "g" behind the name of the column is the gram; give unit = "gn" for the acceleration of gravity',
+        'a.csv: "g" behind the name of the column is the acceleration of gravity; give unit = "gram" for a mass',
     ]
-    stated = mb.read_record(tmp_path / "a.csv", time_unit="ms", unit="gn")
+    assert record.values.tolist() == [9.80665, 19.6133]
+    mass = mb.read_record(tmp_path / "a.csv", unit="gram")
+    assert (mass.unit, mass.values.tolist()) == ("kg", [0.001, 0.002])
+    stated = mb.read_record(tmp_path / "a.csv", time_unit="ms", unit="g")
     assert (stated.times.tolist(), stated.values.tolist(), stated.notices) == ([0, 0.5], [9.80665, 19.6133], ())
 
 

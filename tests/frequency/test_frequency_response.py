@@ -300,12 +300,12 @@ def test_a_matrix_of_bode_plots_with_marked_peaks_in_the_units_that_are_chosen()
     figure = H.plot(amplitude="dB", axis="rpm", unwrapped=False)
     axes = np.array(figure.axes).reshape(4, 2)
     size, phase = axes[0, 1], axes[1, 1]
-    assert (size.get_title(), size.get_ylabel(), phase.get_xlabel()) == ("a / b", "receptance (dB re 1 m/N)", "frequency (rpm)")
+    assert (size.get_title(), size.get_ylabel(), phase.get_xlabel()) == ("a / b", "receptance (dB re 1 m/N)", "frequency (rev/min)")
     x, y = size.lines[0].get_data()
     assert np.allclose(x, 60 * H.frequencies_hz) and np.allclose(y, 20 * np.log10(np.abs(H.values[0, 1])))
     assert np.abs(phase.lines[0].get_ydata()).max() <= 180
     peaks = [peak for peak in H.peaks if (peak.output, peak.input) == ("a", "b")]
-    assert sorted(text.get_text() for text in size.texts) == sorted(f"{60 * peak.frequency_hz:.4g} rpm" for peak in peaks)
+    assert sorted(text.get_text() for text in size.texts) == sorted(f"{60 * peak.frequency_hz:.4g} rev/min" for peak in peaks)
 
 
 def test_transmissibility_has_a_line_at_one():

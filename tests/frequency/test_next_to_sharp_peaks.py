@@ -74,3 +74,31 @@ def test_stiff_links_in_turned_coordinates(ratio, zeta):
     H = mb.MechanicalSystem(np.eye(2), C, K).frequency_response([1 / (2 * np.pi)], ["x1"], ["x1"])
     exact = receptance(np.eye(2), C, K, 1 / (2 * np.pi), 0)
     assert abs(H.values.item() - exact) <= max(H.error_estimate.item(), 1e-15) * abs(exact)
+
+
+@pytest.mark.parametrize("damping", [1e-9, 1e-3])
+def test_springs_of_a_model_keep_their_digits_on_a_peak(damping):
+    """Soft springs to the ground next to a stiff one: what rounding takes of 1000.3 + 0.1 moves the peak by more than its width."""
+    model = mb.LumpedModel()
+    model.mass("a", 2.3)
+    model.mass("b", 0.7)
+    model.spring("ground", "a", 0.1)
+    model.spring("a", "b", 1000.3)
+    model.spring("ground", "b", 0.2)
+    model.damper("a", "b", damping)
+    system = model.assemble()
+    line = float(system.modes().frequencies_hz[0])
+    H = system.frequency_response([line], ["a"], ["a"])
+    with mpmath.workdps(50):
+        w = 2 * mpmath.pi * mpmath.mpf(line)
+        k = mpmath.mpf(1000.3) + 1j * w * mpmath.mpf(damping)
+        rows = [[mpmath.mpf(0.1) + k - w**2 * mpmath.mpf(2.3), -k], [-k, mpmath.mpf(0.2) + k - w**2 * mpmath.mpf(0.7)]]
+        true = complex((mpmath.matrix(rows) ** -1)[0, 0])
+    assert abs(H.values.item() - true) <= H.error_estimate.item() * abs(true) and H.error_estimate.item() < 1e-14
+
+
+def test_a_response_that_vanishes_does_not_hide_the_others():
+    """x1 stays where the row 2 x1 = 0 holds, whatever acts on it; x2 alone is 1 / (k - m w^2)."""
+    system = mb.MechanicalSystem(np.diag([0.0, 2.0]), stiffness=np.diag([1100187.3, 5.0]), constraints=[mb.Constraint([2.0, 0.0])])
+    box = system.frequency_response([1.0]).enclose(1.0)
+    assert abs(box.middle[0, 0]) < 1e-300 and abs(box.middle[0, 3] * (5 - 8 * np.pi**2) - 1) < 1e-14

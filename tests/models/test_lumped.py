@@ -129,7 +129,7 @@ def built(method, *arguments, **named):
         (built("constrain", {"cart": 1, "hook": "2 m"}), 'constraint "constraint 1": hook: found "2 m"; expected a factor in 1'),
         (built("gravity", "9.81 kg"), 'gravity: found "9.81 kg", a mass; expected an acceleration'),
         (built("spring", "ground", "cart", 1.0, rest_length=float("inf")), "rest length: .* a finite number"),
-        (built("damper", "ground", "cart", -1.0), "damping: found -1; expected a number greater than zero"),
+        (built("damper", "ground", "cart", -1.0), "damping: found -1; expected at least 0"),
         (built("mass", "ball", 0.0), 'mass "ball": found no mass; a point without mass is a node'),
         (built("inertia", "wheel", 0), 'inertia "wheel": found no inertia; a point without inertia is a rotational node'),
         (built("mass", "ball", -1.0), 'mass "ball": mass: found -1; expected a number greater than zero'),

@@ -29,10 +29,7 @@ def inverse_at(reduction: Reduction, s: complex) -> np.ndarray:
     right = every[np.concatenate([reduction.second, reduction.first])].astype(complex)
     for power, through in enumerate(reduction.through):
         right = right - s**power * (through @ held)
-    m = len(reduction.second)
-    solved = [reduction.solved(part) for part in (right.real, right.imag)]
-    accelerations, rates = (one + 1j * two for one, two in zip(*solved))
-    drive = np.vstack([np.zeros((m, size)), accelerations, rates])
+    drive = full(reduction.rates(right.real)) + 1j * full(reduction.rates(right.imag))
     states = np.linalg.solve(s * np.eye(n) - full(reduction.generator), drive)
     return reduction.output @ states + reduction.Y @ held
 

@@ -223,3 +223,14 @@ def test_a_scene_runs_with_an_sdf_and_draws_all_but_a_missing_mesh(tmp_path, com
         assert code == 0 and "1 mesh not drawn" in output and not error
     page = (tmp_path / "results" / "scene" / "scene.html").read_text()
     assert f"{W0 / 2 / np.pi:.6g}" in output and "1 mesh not drawn" in page
+
+
+def test_a_joint_follows_another_one_as_in_drake():
+    """Attributes of a tag of Drake below the joint; k turns with 2 q of j."""
+    mimic = '<drake:mimic joint="j" multiplier="2" offset="0.1"/>'
+    parts = [link(), link("b"), hinge(), hinge("k", child="b", more=f"<axis><xyz>0 1 0</xyz></axis>{mimic}")]
+    text = sdf(*parts)
+    robot = mb.Robot(text)
+    assert [(row.name, row.multiplier, row.offset) for row in robot.mimic_rows] == [("k follows j", 2.0, 0.1)]
+    with pytest.raises(mb.InputError, match='sdf, joint "k", mimic: there is no joint "jj"; did you mean "j"'):
+        mb.Robot(text.replace('mimic joint="j"', 'mimic joint="jj"'))

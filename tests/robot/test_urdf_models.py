@@ -2,6 +2,7 @@
 products of exponentials, and against MuJoCo, which reads URDF itself, but for what only Drake and Gazebo have."""
 
 import numpy as np
+import pinocchio
 import pytest
 import scipy.linalg
 
@@ -122,6 +123,51 @@ def test_bushings_of_drake_are_read():
 def test_tags_that_may_act_and_are_not_read_are_doubtful(extra, name):
     notices = mb.Robot(pendulum(extra)).description_notices
     assert [notice for notice in notices if notice.doubtful and name in notice.text]
+
+
+@pytest.mark.parametrize(
+    "place, wrong, name",
+    [
+        ('<axis xyz="0 1 0"/>', '<axis xyz="0 1 0"/><axis xyz="1 0 0"/>', "second <axis> of the joint"),
+        ("<mass", '<mass value="9"/><mass', "second <mass> of the link"),
+        ('<axis xyz="0 1 0"/>', '<axis xyz="0 1 0"/><origin XYZ="0 0 1"/>', 'XYZ = 0 0 1 in the <origin> of "j"'),
+        (
+            '<axis xyz="0 1 0"/>',
+            '<axis xyz="0 1 0"/><origin quat_xyzw="0 0 1 0"/>',
+            "quat_xyzw = 0 0 1 0 in the <origin>",
+        ),  # of version 1.0
+        ('<axis xyz="0 1 0"/>', '<axis xyz="0 1 0"/><drake:dynamics damping="3"/>', "<dynamics> of the joint"),
+        ('name="r"', 'name="r" version="3.0"', "its version is '3.0'; 1.0 to 1.2 are known"),
+    ],
+)
+def test_repeated_and_misspelt_parts_are_doubtful(place, wrong, name):
+    text = pendulum("")
+    assert text.count(place) == 1 and not mb.Robot(text).description_notices
+    notices = mb.Robot(text.replace(place, wrong)).description_notices
+    assert [notice for notice in notices if notice.doubtful and name in notice.text]
+
+
+@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("version", ["1.1", "1.2"])
+def test_quaternions_of_origins_are_those_of_pinocchio(seed, version):
+    rng, links = np.random.default_rng(seed), '<link name="base"/>'
+    for number, parent in enumerate(["base", "l0", "l1"]):
+        origins = [
+            f'<origin xyz="0.1 0.2 {number}" quat_xyzw="{" ".join(map(repr, rng.normal(size=4).tolist()))}"/>' for _ in range(2)
+        ]
+        links += (
+            f'<link name="l{number}"><inertial>{origins[0]}<mass value="1"/><inertia ixx="0.2" iyy="0.3" izz="0.4" ixy="0.01" '
+            f'ixz="0" iyz="0"/></inertial></link><joint name="j{number}" type="continuous">{origins[1]}<parent link="{parent}"/>'
+            f'<child link="l{number}"/><axis xyz="1 2 3"/></joint>'
+        )
+    text = f'<robot name="r" version="{version}">{links}</robot>'
+    truth, robot = pinocchio.buildModelFromXML(text), mb.Robot(text)
+    for one, other in zip(truth.jointPlacements, robot.model.jointPlacements):
+        np.testing.assert_allclose(other.homogeneous, one.homogeneous, atol=1e-14)
+    for one, other in zip(truth.inertias, robot.model.inertias):
+        np.testing.assert_allclose(other.matrix(), one.matrix(), atol=1e-14)
+    with pytest.raises(mb.InputError, match='urdf, link "l0", origin: found rpy and quat_xyzw; expected one of them'):
+        mb.Robot(text.replace("0.1 0.2 0", '0.1 0.2 0" rpy="0 0 1'))
 
 
 def test_mimics_that_follow_each_other_in_a_circle_are_named():

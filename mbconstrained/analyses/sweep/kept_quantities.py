@@ -135,7 +135,9 @@ def figure_of(name: str, known: Mapping[str, SampleFigure], scene: Scene) -> Sam
     if name not in figures:
         try:
             figures = figures_of(variables_of([name], scene))
-        except InputError:
+        except InputError as problem:
+            if "[frequency]" in str(problem):
+                raise
             there = ", ".join(list(known)[:20])
             raise InputError(
                 f'there is no figure "{name}"{nearest(name, known)}; there are {there}, or all that can be kept, as "largest x", "x at 2 s" …'

@@ -28,7 +28,7 @@ from ...ground.tolerances import EPS
 from ...polynomial.delayed_terms import DelayedTerm
 from ...polynomial.polynomial_matrix import PolynomialMatrix
 from ...signals.impulsive import ImpulsiveSmooth
-from ..engine import series_at_infinity
+from ..engine import series_at_infinity, valuation
 from ..rational import (
     RATIONALS,
     RationalMatrix,
@@ -175,9 +175,9 @@ def _partial_fractions(factors, denominator: flint.fmpz_poly, numerators: Sequen
     """The strictly proper part of N / D without its pole at s = 0: one pole for each real root of D and each complex pair."""
     poles = []
     for factor, power in factors:
-        taylor = [_balls(p) for p in _taylor(denominator, 2 * power)[power:]]
-        above = [[_balls(p) for p in _taylor(numerator, power)] for numerator in numerators]
-        vanishing = [_order(numerator, factor, power) for numerator in numerators]
+        taylor, q = _taylor(denominator, 2 * power)[power:], flint.fmpq_poly(factor)
+        above = [_taylor(numerator, power) for numerator in numerators]
+        vanishing = [min(power, valuation(numerator, q)) if numerator else power for numerator in numerators]
         coefficients = tuple(map(int, factor.coeffs()))
         for number, (root, weight) in enumerate(_roots(coefficients, flint.ctx.prec)):
             below = [p(root) for p in taylor]
@@ -268,26 +268,14 @@ def _roots(coefficients: tuple[int, ...], precision: int) -> list[tuple[flint.ac
     return [(root, 1 if root.imag == 0 else 2) for root in roots if root.imag == 0 or root.imag > 0]
 
 
-def _order(numerator: flint.fmpq_poly, factor: flint.fmpz_poly, most: int) -> int:
-    """The power of an irreducible factor in a numerator, up to its power in the denominator."""
-    order, p = 0, flint.fmpq_poly(factor)
-    while order < most and not numerator % p:
-        numerator, order = numerator // p, order + 1
-    return order
-
-
-def _taylor(p, count: int) -> list:
+def _taylor(p, count: int) -> list[flint.acb_poly]:
     """p(z + h) = sum of h^k p_k(z)."""
     terms, divisor = [], 1
     for k in range(count):
         divisor *= max(k, 1)
-        terms.append(flint.fmpq_poly(p) / divisor)
+        terms.append(flint.acb_poly(flint.fmpq_poly(p) / divisor))
         p = p.derivative()
     return terms
-
-
-def _balls(p: flint.fmpq_poly) -> flint.acb_poly:
-    return flint.acb_poly([flint.acb(flint.arb(c)) for c in p.coeffs()])
 
 
 # The response to all values and sources.
@@ -769,7 +757,7 @@ class ExactDelayedResponse(ExactResponse):
             nothing = (ZERO,) * (r * (count - 1))
             start = [(*row, *nothing) for row in self.initial] + [(ZERO,) * (r * count)] * (len(total) - 1 - len(self.initial))
             sources = [replace(source, vector=(*source.vector, *nothing)) for source in self.sources]
-            self._responses[count] = ExactResponse(RationalMatrix(total.tolist()), start, sources)
+            self._responses[count] = ExactResponse(RationalMatrix(total), start, sources)
         return self._responses[count]
 
     def _values(self, times, order: int) -> list[list[flint.arb]]:
@@ -810,7 +798,7 @@ def deciding_entry(A: PolynomialMatrix) -> str:
 
     det A(s) is of first degree in each entry, with an entry of adj A(s) as its slope.
     """
-    exact = RationalMatrix.of(A)
+    exact = known_matrix(A)
     places = np.argwhere(A.coefficients).tolist()
     if len(places) > MOST_ENTRIES or not exact.determinant:
         return ""

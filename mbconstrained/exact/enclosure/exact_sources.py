@@ -127,7 +127,7 @@ def _propagated(generator, start: Vector, time: flint.fmpq) -> Vector | None:
 
 def _states_shapes(block: np.ndarray) -> list[list[Shape]]:
     """The entries of (s I - J)^-1."""
-    pencil = RationalMatrix([(-block).tolist(), np.eye(len(block)).tolist()])
+    pencil = RationalMatrix([-block, np.eye(len(block))])
     return [[_reduced(entry, pencil.determinant) for entry in row] for row in pencil.adjugate]
 
 

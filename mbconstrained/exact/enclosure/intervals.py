@@ -179,6 +179,9 @@ def _decimal(value: flint.arb, digits: int, rounding: str) -> str:
 #: Working precision in bits beyond the digits, in turn; the last is a sign of a pole.
 GUARDS = (64, 256, 1024, 4096)
 
+#: What is smaller than 2 to this power is zero in float64: of a response that vanishes no digits are asked.
+BELOW_FLOAT64 = -1075
+
 
 def enclosed_transfer(
     A: PolynomialMatrix,
@@ -208,7 +211,9 @@ def _is_known(value: flint.acb, digits: int) -> bool:
         return False
     size = value.abs_upper()
     limit = size * flint.arb(10) ** -digits
-    return all(part == 0 or has_digits(part, digits) or bool(part.abs_upper() < limit) for part in (value.real, value.imag))
+    return bool(size < flint.arb(2) ** BELOW_FLOAT64) or all(
+        part == 0 or has_digits(part, digits) or bool(part.abs_upper() < limit) for part in (value.real, value.imag)
+    )
 
 
 def _transfer(

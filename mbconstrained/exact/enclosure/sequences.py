@@ -37,7 +37,7 @@ class RealizedMatrix:
     """C (z I - J)^-1 B + H_0 + H_1 z + ... in place of A(z)^-1, all numbers taken exactly."""
 
     def __init__(self, C: np.ndarray, J: np.ndarray, B: np.ndarray, H: Sequence[np.ndarray]):
-        self._pencil = RationalMatrix([(-J).tolist(), np.eye(len(J)).tolist()]) if len(J) else None
+        self._pencil = RationalMatrix([-J, np.eye(len(J))]) if len(J) else None
         self._C, self._B = exact_rows(C), exact_rows(B)
         self._H = [exact_rows(matrix) for matrix in H]
         self.size = len(C)

@@ -17,7 +17,7 @@ import flint
 import numpy as np
 
 from ...exact.enclosure.intervals import Enclosure, bits_of, has_digits
-from ...exact.rational import RationalMatrix, enclosed_roots, polynomial, rational, working_precision
+from ...exact.rational import enclosed_roots, known_matrix, polynomial, rational, working_precision
 from ...ground.checks import whole_number
 from ...ground.errors import InputError
 from ..harmonic import Harmonic
@@ -57,7 +57,7 @@ class ExactVariance:
                 "enclose: not available with structural damping, which is no rational function of s; give viscous damping"
             )
         self.spectra, self.power = spectra, flint.fmpq_poly([0, 1]) ** harmonic.power
-        matrix = RationalMatrix.of(harmonic.A)
+        matrix = known_matrix(harmonic.A)
         self.denominator = matrix.determinant
         self.outputs = [[rational(entry) for entry in row] for row in harmonic.outputs.tolist()]
         self.solutions = [matrix.numerators([polynomial([entry]) for entry in column]) for column in harmonic.inputs.T.tolist()]
@@ -69,7 +69,7 @@ class ExactVariance:
 
     def initial_numerators(self, harmonic: Harmonic, size: int) -> list[list[flint.fmpq_poly]]:
         """det A(s) times the transforms of the outputs from displacements, then velocities, of 1 at 0-, for each output a column."""
-        matrix, columns = RationalMatrix.of(harmonic.A), []
+        matrix, columns = known_matrix(harmonic.A), []
         for order in range(2):
             for i in range(size):
                 b = [

@@ -25,6 +25,7 @@ from ..kinematics import directions_across
 from ..tangent import JointGear
 from .urdf import (
     HIDDEN,
+    MOMENTS,
     RENAMED_GROUND,
     ModelFile,
     angles_of,
@@ -37,6 +38,8 @@ from .urdf import (
     place_of,
     placement,
     read_urdf,
+    resolve_quaternions,
+    rotation_of,
     short,
 )
 
@@ -161,11 +164,8 @@ def pose_of(element: Element, where: str) -> tuple[Any, str]:
         *xyz, roll, pitch, yaw = numbers(text, 6, where)
         angles = np.array([roll, pitch, yaw])
         return placement(xyz, (np.deg2rad(angles) if is_true(pose.get("degrees", "")) else angles).tolist()), base
-    values = np.array(numbers(text, 7, where))
-    if not values[3:].any():
-        raise InputError(f"{where}: found a quaternion of zeros; expected x, y, z, w of length 1")
-    quaternion = values[3:] / np.linalg.norm(values[3:])
-    return pinocchio.SE3(pinocchio.Quaternion(quaternion).matrix(), values[:3]), base
+    values = numbers(text, 7, where)
+    return pinocchio.SE3(rotation_of(values[3:], where), np.array(values[:3])), base
 
 
 def _limit(text: str, usual: float, where: str) -> float:
@@ -195,6 +195,11 @@ def read_joint(element: Element, frames: Frames, content: ModelFile, version: tu
         axes.append(_axis(element.find(tag), place, frames, version, f"{where}, {tag}"))
         if (mimic := axes[-1].mimic) is not None:
             axes[-1].mimic = f"{prefix}{mimic[0]}", *mimic[1:]
+    if axes and (follows := next((part for part in element if local_name(part) == "mimic"), None)) is not None:  # as in Drake
+        ratio, offset = (
+            number(follows.get(key, own), f"{where}, mimic, {key}") for key, own in (("multiplier", "1"), ("offset", "0"))
+        )
+        axes[0].mimic = f"{prefix}{follows.get('joint', '')}", ratio, offset
     joint = Joint(name, kind, parent, child, place, axes)
     if kind == "screw":
         pitch, given = text_of(element, "screw_thread_pitch"), text_of(element, "thread_pitch")
@@ -221,7 +226,9 @@ _OF_AXIS, _OF_DYNAMICS = (
 
 
 #: Elements of which the first counts.
-_SINGLE = "pose inertial mass inertia ixx ixy ixz iyy iyz izz parent child axis axis2 xyz limit dynamics damping mimic".split()
+_SINGLE = (
+    "pose origin inertial mass inertia ixx ixy ixz iyy iyz izz parent child axis axis2 xyz limit dynamics damping mimic".split()
+)
 
 
 def leave_out_repeated(element: Element, place: str, content: ModelFile) -> None:
@@ -501,6 +508,7 @@ def read_urdf_file(source) -> ModelFile:
     text, folder = read_urdf(source)
     root = parsed_xml(text, "urdf")
     content = ModelFile("URDF", root, folder)
+    _read_version(root, content)
     checked_tree(root, _add_drake_joints(root, content))
     urdf = _UrdfFrames(root)
     read_drake(root, urdf.anchor, content)
@@ -512,6 +520,20 @@ def read_urdf_file(source) -> ModelFile:
         _read_gazebo(gazebo, urdf, content)
     _leave_out_others(root, content)
     return content
+
+
+#: Versions of URDF that are known, and the first one whose origins may have quaternions.
+_VERSIONS, _QUATERNIONS = ("1.0", "1.1", "1.2"), "1.1"
+
+
+def _read_version(root: Element, content: ModelFile) -> None:
+    """Note an unknown version, and resolve what later ones write in another way."""
+    if (version := root.get("version", _VERSIONS[0])) not in _VERSIONS:
+        known = f"{_VERSIONS[0]} to {_VERSIONS[-1]} are known, and it is read as the last of them"
+        content.remarks.append(Notice(NoticeKind.OMITTED, f"URDF: its version is {short(version)!a}; {known}", doubtful=True))
+        version = _VERSIONS[-1]
+    if version >= _QUATERNIONS:
+        resolve_quaternions(root)
 
 
 class _UrdfFrames:
@@ -685,6 +707,36 @@ _READ_BY_URDF = {
 }
 
 
+#: Attributes of the elements of links and joints; others are noted where they have a size.
+_ATTRIBUTES = {
+    "origin": "xyz rpy",
+    "mass": "value",
+    "inertia": " ".join(MOMENTS),
+    "axis": "xyz",
+    "mimic": "joint multiplier offset",
+    "dynamics": "damping friction",
+}
+
+
+def _known(child: Element, parent: str) -> str:
+    """Known tags among the children of an element; none with the name space of Drake."""
+    return "" if _is_drake(child) else _READ_BY_URDF[parent]
+
+
+def _has_size(element: Element) -> bool:
+    return bool(acts(element) or any(map(amount, element.attrib.values())))
+
+
+def _leave_out_attributes(element: Element, of: str, content: ModelFile) -> None:
+    """Note unknown attributes of masses, inertias, origins, axes, mimics and dynamics; of the last those that may be forces are doubtful."""
+    for tag, known in _ATTRIBUTES.items():
+        for part in element.iterfind(f"inertial/{tag}" if element.tag == "link" else tag):
+            for key, value in part.attrib.items():
+                if key not in known.split() and amount(value):
+                    may_act = tag != "dynamics" or _ACTS.search(key) is not None
+                    content.leave_out(f"{short(key)} = {short(value)} in the <{tag}> of {of}", may_act)
+
+
 def _leave_out_others(root: Element, content: ModelFile) -> None:
     """Note the unread parts of the other elements, and whether they may affect the motion."""
     leave_out_unknown((child for child in root if not _is_drake(child)), _READ_BY_URDF["robot"], "", content, acts)
@@ -699,18 +751,18 @@ def _leave_out_others(root: Element, content: ModelFile) -> None:
                 if is_true(text) != (child.tag == "gravity"):
                     content.leave_out(f'<{child.tag}> {text} of "{name}"', True)
             else:
-                leave_out_unknown([child], _READ_BY_URDF["link"], f' of "{name}"', content, acts)
+                leave_out_unknown([child], _known(child, "link"), f' of "{name}"', content, acts)
+        leave_out_repeated(link, f'the link "{name}"', content)
+        _leave_out_attributes(link, f'"{name}"', content)
         leave_out_unknown(link.iterfind("inertial/*"), _READ_BY_URDF["inertial"], f' in the <inertial> of "{name}"', content)
         if any(amount(_value(child)) != 1 for child in link.iterfind("contact/inertia_scaling")):
             content.leave_out(f'<inertia_scaling> of "{name}"', True)
     for joint in root.findall("joint"):
         name = short(joint.get("name"))
-        of, known = f' of the joint "{name}"', _READ_BY_URDF["joint"]
-        leave_out_unknown(joint, known, of, content, lambda child: acts(child) or any(map(amount, child.attrib.values())))
-        dynamics = joint.find("dynamics")
-        for key, value in {} if dynamics is None else dynamics.attrib.items():
-            if key not in ("damping", "friction") and amount(value):
-                content.leave_out(f'{short(key)} = {short(value)} in the <dynamics> of "{name}"', _ACTS.search(key) is not None)
+        for child in joint:
+            leave_out_unknown([child], _known(child, "joint"), f' of the joint "{name}"', content, _has_size)
+        leave_out_repeated(joint, f'the joint "{name}"', content)
+        _leave_out_attributes(joint, f'"{name}"', content)
 
 
 #: Settings of MuJoCo for a URDF that change masses, by their neutral values.

@@ -174,6 +174,28 @@ def place_of(element: Element | None, where: str):
     return placement(*(numbers(text, 3, f"{where}, {key}") for key, text in texts))
 
 
+def rotation_of(quaternion: Sequence[float], where: str) -> np.ndarray:
+    """The rotation of a quaternion x, y, z, w of any length but 0."""
+    import pinocchio
+
+    if not (size := np.linalg.norm(quaternion)):
+        raise InputError(f"{where}: found a quaternion of zeros; expected x, y, z, w of length 1")
+    return pinocchio.Quaternion(np.array(quaternion) / size).matrix()
+
+
+def resolve_quaternions(root: Element) -> None:
+    """Write the quaternions of origins, which a URDF may have since version 1.1, as roll, pitch, yaw."""
+    for element in root:
+        where = f'urdf, {short(element.tag)} "{short(element.get("name"))}", origin'
+        for origin in element.iter("origin"):
+            text = origin.attrib.pop("quat_xyzw", None)
+            if text is not None and "rpy" in origin.attrib:
+                raise InputError(f"{where}: found rpy and quat_xyzw; expected one of them")
+            if text is not None:
+                quaternion = numbers(text, 4, f"{where}, quat_xyzw")
+                origin.set("rpy", _text(angles_of(rotation_of(quaternion, f"{where}, quat_xyzw"))))
+
+
 def add_origin(parent: Element, place) -> None:
     """Add an SE3 as the element <origin> of a URDF."""
     SubElement(parent, "origin", xyz=_text(place.translation.tolist()), rpy=_text(angles_of(place.rotation)))

@@ -110,7 +110,7 @@ def read_record(
         step: between samples, in s or as text with a unit, of a file without times. Without a column every number of the file is
             a sample, line by line.
         unit: of the values. By default what stands in parentheses or after a slash behind the name of the column, where it
-            is a unit, otherwise SI.
+            is a unit, otherwise SI; g is the acceleration of gravity, gram a mass.
             Formats that fix their unit need none; WAV has shares of full scale.
         time_unit: of the times; by default as for the values.
         factor: a number, or a text with a unit that multiplies the unit of the values, e.g. "-1200 kg" for an acceleration.
@@ -186,10 +186,10 @@ def record_in_si(
         notes += _named_unit(samples.time_name, along.unit, "time_unit")
     if unit is None and not samples.unit and expected:
         notes += _named_unit(samples.name, expected, "unit")
-    if unit is None and samples.unit == "g" and expected is None:
-        notes.append('"g" behind the name of the column is the gram; give unit = "gn" for the acceleration of gravity')
+    if unit is None and samples.unit == "g" and expected is None and not isinstance(factor, str):
+        notes.append('"g" behind the name of the column is the acceleration of gravity; give unit = "gram" for a mass')
     unit = unit or _readable(samples.unit)
-    unit = unit if unit is None or isinstance(factor, str) else meant(unit, expected)
+    unit = unit if unit is None or isinstance(factor, str) else meant(unit, expected or "m/s^2")  # nothing is recorded in grams
     scale, kind = (1.0, None) if unit is None else _si(unit)
     number, factor_kind = _factor(factor)
     if factor_kind is not None and "1" in (unit, samples.unit):

@@ -8,8 +8,9 @@ from itertools import pairwise
 from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
-from pydantic import BeforeValidator, Field, PlainValidator, WithJsonSchema, field_validator, model_validator
+from pydantic import AfterValidator, BeforeValidator, Field, PlainValidator, WithJsonSchema, field_validator, model_validator
 
+from ...frequency.plots import shown_axis
 from ...frequency.random.spectra import Spectrum, kanai_tajimi, psd, road_profile, white_noise
 from ...ground.errors import InputError, named, shown
 from ...ground.quantities import number_and_unit, quantity
@@ -142,7 +143,9 @@ class FrequencyTable(Table):
     )
     amplitude: Literal["log", "linear", "dB"] = Field("log", description="The axis of the amplitude.")
     phase: Literal["unwrapped", "wrapped"] = Field("unwrapped", description="wrapped: from -180 to 180 degrees.")
-    axis: Literal["Hz", "rad/s", "rpm"] = Field("Hz", description="The unit of the frequency on the page and in tables.")
+    axis: Annotated[Literal["Hz", "rad/s", "rev/min", "rpm"], AfterValidator(shown_axis)] = Field(
+        "Hz", description="The unit of the frequency on the page and in tables."
+    )
 
     def _check(self) -> None:
         of_range = [key for name, key in self._range_keys if name in self.model_fields_set]

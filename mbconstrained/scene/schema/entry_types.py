@@ -37,8 +37,15 @@ MEANT = {  # what people write: what a scene calls it
     "position": "displacement", "speed": "velocity", "start": "initial", "duration": "end", "stop": "end", "steps": "points",
     "step": "points", "type": "kind", "body": "coordinate", "amplitude": "value", "ends": "between", "bodies": "between",
     "friction": "dry_friction", "unilateral": "contact", "gap": "contact", "bumper": "contact", "rope": "cable", "play": "backlash",
+    "file": "robot", "urdf": "robot", "input": "coordinate", "preload": "rest_length", "shaft": "torsion_spring", "at": "on", "speeds": "from",
     "k": "stiffness", "c": "damping", "m": "mass", "weight": "mass", "length": "rest_length", "options": "output", "on": "coordinate", "node": "coordinate", "coordinate": "on",
 }  # fmt: skip
+
+
+DAMPING = {  # advice on the key damping, by a key that the table has
+    "stiffness": "; a damper is an element of its own, a table [[model.damper]] or [[model.torsion_damper]] between the same",
+    "modal_damping": "; write modal_damping = 0.05, or a table [model.rayleigh_damping]",
+}
 
 
 class UnknownKey(EntryError):
@@ -51,6 +58,8 @@ class UnknownKey(EntryError):
             hint = "; what varies stands by its name in parameters, below [vary.parameters]"
         if key in ABOVE:
             hint = f"; {key} = … stands at the top of the file, above the first [table]"
+        if not hint and key == "damping":
+            hint = next((advice for one, advice in DAMPING.items() if one in known), "")
         super().__init__(f"unknown key {shown(key)}{hint}; known here are {', '.join(known)}", key)
 
 
@@ -366,7 +375,8 @@ def _sentence(problem: Mapping[str, Any], where: str) -> str:
         return _choice(value, context["expected"].replace("'", '"'))
     if kind == "list_type" and isinstance(value, dict):
         return f"found one table; write it with double brackets, [[{where}]], once for every entry"
-    return f"found {shown(value)}; {_expectation(kind, context) or problem['msg']}"
+    example = f", such as [{shown(value)}]" if kind == "list_type" and isinstance(value, str) else ""
+    return f"found {shown(value)}; {_expectation(kind, context) or problem['msg']}{example}"
 
 
 def _kind_sentence(value, where: str) -> str:

@@ -11,7 +11,7 @@ import pytest
 
 import mbconstrained as mb
 from mbconstrained.exact.engine import ExactMatrix
-from mbconstrained.exact.rational import RationalMatrix, rounded_roots
+from mbconstrained.exact.rational import known_matrix, rounded_roots
 from tests.exact.rational.products import MATRICES, known, product
 from tests.oracles import exact
 
@@ -19,7 +19,7 @@ from tests.oracles import exact
 @pytest.mark.parametrize("seed", range(6))
 def test_root_polynomials_of_simple_factors_are_what_elimination_gives(seed):
     """The principal part of A(s)^-1 at the zeros of every factor, by the method of every field."""
-    R = RationalMatrix.of(mb.PolynomialMatrix(product(seed)))
+    R = known_matrix(mb.PolynomialMatrix(product(seed)))
     for p, multiplicity in R.ring.factors(R.determinant):
         ours, general = R.root_polynomials(p, multiplicity), ExactMatrix.root_polynomials(R, p, multiplicity)
         assert [term.length for term in ours] == [term.length for term in general]
@@ -38,7 +38,7 @@ def _principal_part(terms):
 @pytest.mark.parametrize("name", MATRICES)
 def test_interpolation_gives_the_determinant_and_the_adjugate(name):
     x = known(name)
-    R = RationalMatrix.of(x.matrix)
+    R = known_matrix(x.matrix)
     assert _fractions(R.determinant) == exact.determinant(x.A.tolist())
     adjugate = [[exact.trimmed(entry) for entry in row] for row in exact.adjugate(x.A.tolist())]
     assert [[_fractions(entry) for entry in row] for row in R.adjugate] == adjugate

@@ -312,7 +312,7 @@ def test_only_some_coordinates_and_none_that_are_not_there(tmp_path):
 
 def test_impulses_jumps_and_conditions_are_those_of_the_run():
     form, motion = formula_of(read_scene(EXAMPLES / "rigid_link.toml")), read_scene(EXAMPLES / "rigid_link.toml").run().motion
-    assert [(each.name, each.order, float(each.factor)) for each in form.impulses] == [("lambda", 1, motion.impulses[1][2])]
+    assert [(each.name, each.order, float(each.size)) for each in form.impulses] == [("lambda", 1, motion.impulses[1][2])]
     jumps = {(each.name, each.order): float(each.size) for each in form.jumps}
     names = motion.coordinates if hasattr(motion, "coordinates") else ("q1", "q2", "lambda")
     assert jumps == pytest.approx({(names[i], order): motion.jump[order, i] for order, i in np.argwhere(motion.jump)})
