@@ -21,8 +21,7 @@ from ...linalg.blocks import block_slices
 from ...mechanics.constraints import LEVELS, with_multipliers
 from ...mechanics.motion import reaction_function
 from ...mechanics.switched.flow import Crossing, PhaseFlow
-from ...mechanics.switched.impact import complementary
-from ...mechanics.switched.phase import Phase
+from ...mechanics.switched.phase import Phase, complementary
 from ...mechanics.switched.sequence import MOST_EVENTS, PhaseSequence
 from ...polynomial.polynomial_matrix import PolynomialMatrix
 from ...signals.bohl import BohlFunction

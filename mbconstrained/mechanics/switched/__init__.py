@@ -1,7 +1,7 @@
 """Systems that change their equations: phases, guards, impacts and the motion through all of them.
 
-Read in this order: flow (one phase over time and the first zeros of its guards), phase, switches, impact, sequence, switched_motion,
-switched_system, periodic.
+Read in this order: flow (one phase over time and the first zeros of its guards), phase (with impacts), switches, sequence,
+switched_motion, switched_system, periodic.
 """
 
 from __future__ import annotations

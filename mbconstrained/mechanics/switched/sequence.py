@@ -1,7 +1,7 @@
 """The motion through all phases, one after another: each in closed form, each switch at the first zero of a guard.
 
 At a switch the states that the switches take are found by trial: a state whose guard is negative just after the switch is left for the
-one that follows it, until no guard is. Rigid contacts that touch have their impulses by Newton's law all at once (``impact``).
+one that follows it, until no guard is. Rigid contacts that touch have their impulses by Newton's law all at once (``phase``).
 """
 
 from __future__ import annotations
@@ -20,8 +20,7 @@ from ...ground.notices import Notice, NoticeKind
 from ...ground.tolerances import EPS
 from ..constraints import Constraint
 from .flow import NOISE, Crossing
-from .impact import ContactSet, row_impulses
-from .phase import STILL, Phase, PhaseEntry, Source
+from .phase import STILL, ContactSet, Phase, PhaseEntry, Source, row_impulses
 from .switches import ForceBranch, Functional, Guard, Switch, TimedChange, UnilateralContact
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ import pytest
 
 import mbconstrained as mb
 from mbconstrained.ground.errors import NotUnique
-from mbconstrained.mechanics.switched.impact import complementary
+from mbconstrained.mechanics.switched.phase import complementary
 
 EPS = np.finfo(float).eps
 ONE = Fraction(1)
