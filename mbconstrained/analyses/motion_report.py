@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..frequency.extrema import SHOWN_MARGIN
 from ..ground.display import TextTable, number_text, with_unit
 from ..ground.units import rate_unit
 from ..response.events import Event
@@ -22,9 +23,6 @@ if TYPE_CHECKING:
     from ..scene.build.control_model import ControlScene
     from ..scene.run.certificate import Certificate
     from .frequency import Frequency
-
-#: Margins below this part of a largest value are not shown: it has as many digits.
-SHOWN_MARGIN = 1e-4
 
 LARGEST = "Largest values"
 MOST_EVENT_ROWS = 200  # events that are listed
@@ -70,7 +68,7 @@ def largest_table(result: Result) -> TextTable:
         is_open = one.margin > SHOWN_MARGIN * abs(one.value)
         open_ += is_open
         rows.append((one.name, one.title, f"{'≥ ' * is_open}{with_unit(factor * one.value, unit)}", f"{number_text(one.time)} s"))
-    note = f"Largest moduli with their signs, of the closed form: none between the times is missed{'; ≥: of too many periods to search them all' if open_ else ''}."
+    note = f"Largest moduli with their signs, of the closed form: none between the times is missed{'; ≥: of too many periods to search them all, or of modes below rounding' if open_ else ''}."
     return TextTable(LARGEST, ("of", "quantity", "largest", "at"), tuple(rows), note)
 
 

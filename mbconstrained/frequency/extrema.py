@@ -53,6 +53,9 @@ GAUSS, RADIANS = 16, 6.0
 #: Times at which functions are compared with more accurate ones.
 COMPARED = 64
 
+#: From this part of a value on, it is shown that the function may exceed it.
+SHOWN_MARGIN = 1e-4
+
 #: The smallest normal number: the size of a function that is zero.
 TINY = float(np.finfo(float).tiny)
 
@@ -65,7 +68,14 @@ class Extrema:
     minimum: np.ndarray
     maximum_time: np.ndarray  # in s; that of a limit from the left is the last float64 number before the jump
     minimum_time: np.ndarray
-    margin: np.ndarray  # bound of the excess of the extrema over these values; 0 except for motions of very many periods
+    margin: (
+        np.ndarray
+    )  # bound of the excess of the extrema over these values; 0 except for very many periods, infinite for modes below rounding
+
+    @property
+    def is_open(self) -> np.ndarray:
+        """Which functions may exceed their values visibly, shape (r,)."""
+        return self.margin > SHOWN_MARGIN * self.largest
 
     @property
     def largest(self) -> np.ndarray:
@@ -95,8 +105,11 @@ def extrema(function: BohlFunction, start: float, end: float) -> Extrema:
     """The extrema of f(t) on [start, end]."""
     search = _ExtremumSearch(getattr(function, "rough", function), start, end)
     search.run()
-    extremes = Extrema(search.best[0], -search.best[1], search.times[0], search.times[1], search.margin)
-    return extremes.with_values(function)
+    searched = Extrema(search.best[0], -search.best[1], search.times[0], search.times[1], search.margin)
+    found = searched.with_values(function)
+    differences = np.abs([searched.maximum - found.maximum, searched.minimum - found.minimum]).max(axis=0, initial=0.0)
+    unlike = differences > EPS**0.5 * found.largest  # modes that float64 does not resolve were not searched
+    return replace(found, margin=np.where(unlike, np.inf, found.margin))
 
 
 @dataclass(frozen=True, eq=False)

@@ -145,10 +145,11 @@ class Peaks(Displayed):
     def table(self, shown: Callable[[str, str], tuple[str, float]]) -> TextTable:
         """Both extrema of each function with their times; ``shown`` gives the displayed unit and its factor, by SI unit and name."""
         own, texts = self.extrema, []
-        for name, unit, a, ta, b, tb in zip(self.names, self.units, own.maximum, own.maximum_time, own.minimum, own.minimum_time):
+        ends = zip(own.maximum, own.maximum_time, own.minimum, own.minimum_time, own.is_open.tolist())
+        for name, unit, (a, ta, b, tb, is_open) in zip(self.names, self.units, ends):
             text, factor = shown(unit, name)
             high, low = (f"{number_text(factor * value)} {text}" if text != "1" else number_text(value) for value in (a, b))
-            texts.append((name, high, number_text(ta), low, number_text(tb)))
+            texts.append((name, f"{'≥ ' * is_open}{high}", number_text(ta), f"{'≤ ' * is_open}{low}", number_text(tb)))
         return TextTable(f"Peaks of the {self.quantity}", ("of", "maximum", "at (s)", "minimum", "at (s)"), tuple(texts))
 
     def rows(self) -> list[dict]:

@@ -38,6 +38,12 @@ KEPT_ACCURACY = PROVED_ACCURACY / 3
 #: Sums of refined modes are as much better as their rounding to float64 may take.
 REFINED_ACCURACY = PROVED_ACCURACY - 2 * EPS
 
+#: Rows of combinations that lose more than this part of their largest mode by rounding are proved.
+CANCELLED_ROW = 1e-9
+
+#: Times at which a row that float64 loses is zero before it counts as zero.
+SAMPLED_ZEROS = 8
+
 #: From so many radians of the fastest mode on, phases in float64 are not right where all coordinates are small at once.
 MANY_RADIANS = 64.0
 
@@ -226,6 +232,18 @@ class ProvedFunction(BohlFunction):
             return self.rough.mapped(matrix)
         return self._with(self.rough.mapped(matrix), self.order, matrix)
 
+    def differential(self, *matrices: np.ndarray) -> BohlFunction:
+        """matrices[0] @ f + matrices[1] @ f' + ...; rows in which float64 cancels, such as forces of stiff springs, are proved."""
+        rough = super().differential(*matrices)
+        size, coefficients = np.abs(self.restarts.states).max(axis=1, initial=0.0), self.coefficients
+        terms = np.zeros(rough.coefficients.shape)
+        for matrix in matrices:
+            terms, coefficients = terms + np.abs(matrix) @ np.abs(coefficients), self._times_generator(coefficients)
+        lost, largest = EPS * (terms @ size), (np.abs(rough.coefficients) * size).max(axis=1, initial=0.0)
+        if not (cancelled := lost > CANCELLED_ROW * largest).any():
+            return rough
+        return ProvedCombination(rough, self, matrices, cancelled)
+
     def rows(self, indices) -> BohlFunction:
         indices = np.asarray(indices, dtype=int)
         return self._with(self.rough.rows(indices), self.order, self._through[indices])
@@ -240,6 +258,63 @@ class ProvedFunction(BohlFunction):
         return self.rough + (other.rough if isinstance(other, ProvedFunction) else other)
 
     __radd__ = __add__
+
+
+class ProvedCombination(BohlFunction):
+    """matrices[0] @ f + matrices[1] @ f' + ... of a proved function, the cancelled rows by the exact engine, each with its own digits.
+
+    Attributes:
+        rough: the sum in float64.
+        of: f.
+        matrices: each of shape (p, r).
+        cancelled: which rows float64 does not resolve, shape (p,).
+    """
+
+    rough: BohlFunction
+    of: ProvedFunction
+    matrices: tuple[np.ndarray, ...]
+    cancelled: np.ndarray
+
+    def __init__(self, rough: BohlFunction, of: ProvedFunction, matrices, cancelled: np.ndarray):
+        self.__dict__.update(rough=rough, of=of, matrices=tuple(matrices), cancelled=cancelled)
+
+    coefficients = property(attrgetter("rough.coefficients"))
+    blocks = property(attrgetter("rough.blocks"))
+    start = property(attrgetter("rough.start"))
+
+    def _values(self, times: np.ndarray) -> np.ndarray:
+        values = self.rough._values(times)
+        if len(times) <= MOST_TIMES and self.of.is_provable:
+            ordered, pieces = np.sort(times), self.restarts.located(np.sort(times))[0]
+            last = np.flatnonzero(np.diff(pieces, append=-1))  # of each piece, where a row that does not vanish has begun to move
+            some = ordered[np.unique([*range(0, len(times), len(times) // SAMPLED_ZEROS + 1), *last])]
+            for row in np.flatnonzero(self.cancelled).tolist():  # rows that vanish by symmetry are zero there, and everywhere
+                values[row] = self._proved(row, times) if self._proved(row, some).any() else 0.0
+        return values
+
+    def _proved(self, row: int, times: np.ndarray) -> np.ndarray:
+        parts = enumerate(matrix[[row]] @ self.of._through for matrix in self.matrices)
+        terms = [self.of._with(self.of.rough, self.of.order + k, part).proved(times)[0] for k, part in parts if part.any()]
+        return sum(terms, np.zeros((1, len(times))))[0]
+
+    def derivative(self, order: int = 1) -> BohlFunction:
+        none = (np.zeros_like(self.matrices[0]),) * whole_number(order, "order")
+        return ProvedCombination(self.rough.derivative(order), self.of, (*none, *self.matrices), self.cancelled)
+
+    def mapped(self, matrix) -> BohlFunction:
+        matrix = real_array(matrix, "matrix", shape=(None, self.size))
+        return self.of.differential(*(matrix @ own for own in self.matrices))
+
+    def rows(self, indices) -> BohlFunction:
+        indices = np.asarray(indices, dtype=int)
+        return ProvedCombination(
+            self.rough.rows(indices), self.of, [own[indices] for own in self.matrices], self.cancelled[indices]
+        )
+
+    def __mul__(self, factor: float) -> BohlFunction:
+        return self.mapped(real_number(factor, "factor") * np.eye(self.size))
+
+    __rmul__ = __mul__
 
 
 def are_right(values: np.ndarray, errors: np.ndarray, accuracy: float = PROVED_ACCURACY) -> np.ndarray:
