@@ -67,7 +67,7 @@ def test_units_of_output_hold_for_values_peaks_and_files(tmp_path):
     assert [each.tolist() for each in own.shown] == [[["mm/kN"]], [[1e6]]]
     (peak,) = own.peaks
     text = "\n".join(table_text(block) if isinstance(block, TextTable) else block for block in answer.blocks())
-    assert f"{1e6 * peak.amplitude:.4g} mm/kN" in text and f"{60 * peak.frequency_hz:.5g}" in text and "rpm" in text
+    assert f"{1e6 * peak.amplitude:.4g} mm/kN" in text and f"{60 * peak.frequency_hz:.5g}" in text and "rev/min" in text
     head, *lines = (tmp_path / "out" / "scene.frequency.csv").read_text("utf-8").splitlines()
     assert head.split(",") == ["frequency (Hz)", "real machine/machine (mm/kN)", "imag machine/machine (mm/kN)"]
     first = np.array([float(cell) for cell in lines[0].split(",")])
