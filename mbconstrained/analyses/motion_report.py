@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..frequency.extrema import SHOWN_MARGIN
 from ..ground.display import TextTable, number_text, with_unit
+from ..ground.tolerances import SHOWN_MARGIN
 from ..ground.units import rate_unit
 from ..response.events import Event
 from ..response.response_notices import counts

@@ -85,8 +85,8 @@ class Shock(Analysis):
         notices = distinct(scene.notices, scene.equations.form_notices, motion.notices, own)
         fields = _fields(part, every, scene.equations.coordinates.shown)
         is_open = any(one.extrema.is_open.any() for one in every)
-        found = "≥ and ≤ may be exceeded, by too many periods or modes below rounding" if is_open else "none missed"
-        fields["facts"] += (("peaks", f"from 0 to {end:g} s, {found}, limits from the left included"),)
+        scope = "≥ and ≤ may be exceeded, by too many periods or modes below rounding" if is_open else "none missed"
+        fields["facts"] += (("peaks", f"from 0 to {end:g} s, {scope}, limits from the left included"),)
         fields["plots"] = lambda: _plots_with_answer(scene, part)
         return cls.of(scene, heading=scene.heading, notices=notices, **fields)
 

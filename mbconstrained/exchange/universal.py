@@ -101,8 +101,8 @@ def _function(path: Path, name: str, dataset: Mapping, units: Mapping) -> Functi
     with suppress(InputError):  # of labels that are no units
         written = meant(unit_name(label), unit)
         if written != "1" and abs(any_quantity(f"1 {written}")[0] * scale - 1) > SAME_UNIT:
-            taken = unit if scale == 1 else f"{1 / scale:.6g} {unit}"
-            note = f'the axis is labelled "{label}", but {taken} is its unit by data set 164, SI without one; give a factor if the label is right'
+            read_as = unit if scale == 1 else f"{1 / scale:.6g} {unit}"
+            note = f'the axis is labelled "{label}", but {read_as} is its unit by data set 164, SI without one; give a factor if the label is right'
             return Function(name, times, values / scale, unit, True, (note,))
     return Function(name, times, values if scale == 1 else values / scale, unit, True)
 

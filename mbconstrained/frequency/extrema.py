@@ -18,7 +18,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..ground.errors import InputError, Overflow
-from ..ground.tolerances import EPS, EXTREMA_ACCURACY, ROUGH_PART, VISIBLE_PART
+from ..ground.tolerances import EPS, EXTREMA_ACCURACY, ROUGH_PART, SHOWN_MARGIN, VISIBLE_PART
 from ..linalg.blocks import block_slices
 from ..linalg.exponential import block_states
 from ..linalg.scaling import balanced
@@ -52,9 +52,6 @@ GAUSS, RADIANS = 16, 6.0
 
 #: Times at which functions are compared with more accurate ones.
 COMPARED = 64
-
-#: From this part of a value on, it is shown that the function may exceed it.
-SHOWN_MARGIN = 1e-4
 
 #: The smallest normal number: the size of a function that is zero.
 TINY = float(np.finfo(float).tiny)
@@ -106,10 +103,10 @@ def extrema(function: BohlFunction, start: float, end: float) -> Extrema:
     search = _ExtremumSearch(getattr(function, "rough", function), start, end)
     search.run()
     searched = Extrema(search.best[0], -search.best[1], search.times[0], search.times[1], search.margin)
-    found = searched.with_values(function)
-    differences = np.abs([searched.maximum - found.maximum, searched.minimum - found.minimum]).max(axis=0, initial=0.0)
-    unlike = differences > EPS**0.5 * found.largest  # modes that float64 does not resolve were not searched
-    return replace(found, margin=np.where(unlike, np.inf, found.margin))
+    extremes = searched.with_values(function)
+    differences = np.abs([searched.maximum - extremes.maximum, searched.minimum - extremes.minimum]).max(axis=0, initial=0.0)
+    unlike = differences > EPS**0.5 * extremes.largest  # modes that float64 does not resolve were not searched
+    return replace(extremes, margin=np.where(unlike, np.inf, extremes.margin))
 
 
 @dataclass(frozen=True, eq=False)

@@ -208,6 +208,12 @@ EDGE_UNITS = 8
 #: Every value of a small model is right to this part of the largest value at that time, a hundred times usual rounding errors.
 PROVED_ACCURACY = 1e-12
 
+#: Rows of combinations of derivatives, such as forces of stiff springs, that lose more than this part of their largest mode by rounding are proved.
+CANCELLED_ROW = 1e-9
+
+#: From this part of an extremum on, it is shown that a function may exceed it.
+SHOWN_MARGIN = 1e-4
+
 #: Models of up to so many states are small: the exact engine answers within a second.
 PROVED_STATES = 48
 

@@ -45,7 +45,7 @@ def vector_of(values: Iterable) -> Vector:
 
 
 def _of_origin(origin: ExactInput) -> Iterator[ExactSource]:
-    for source in _MADE[type(origin.data)](origin.data, origin):
+    for source in _MAKERS[type(origin.data)](origin.data, origin):
         for change in origin.maps:
             if np.ndim(change):
                 source = replace(source, vector=tuple(applied([vector_of(row) for row in np.asarray(change)], source.vector)))
@@ -141,7 +141,7 @@ def applied(matrix: Iterable[Iterable[flint.fmpq]], values: Sequence, zero=flint
     return [sum((entry * value for entry, value in zip(row, values) if entry and value), zero) for row in matrix]
 
 
-_MADE: dict[type, Callable[..., Iterator[ExactSource]]] = {
+_MAKERS: dict[type, Callable[..., Iterator[ExactSource]]] = {
     ExactTerm: _of_term,
     ExactImpulse: lambda data, origin: _impulses([*[0 * data.vector] * data.order, data.vector], origin.rounded_time()),
     ExactRecord: _of_record,

@@ -18,7 +18,7 @@ import numpy as np
 
 from ...ground.checks import real_array, real_number, whole_number
 from ...ground.errors import SingularPolynomialMatrix
-from ...ground.tolerances import EPS, PROVED_ACCURACY
+from ...ground.tolerances import CANCELLED_ROW, EPS, PROVED_ACCURACY
 from ...signals.bohl import BohlFunction
 from ..events import Event, without_zeros
 from ..flow import LATER
@@ -37,9 +37,6 @@ KEPT_ACCURACY = PROVED_ACCURACY / 3
 
 #: Sums of refined modes are as much better as their rounding to float64 may take.
 REFINED_ACCURACY = PROVED_ACCURACY - 2 * EPS
-
-#: Rows of combinations that lose more than this part of their largest mode by rounding are proved.
-CANCELLED_ROW = 1e-9
 
 #: Times at which a row that float64 loses is zero before it counts as zero.
 SAMPLED_ZEROS = 8

@@ -79,10 +79,10 @@ def _resident() -> tuple[int | None, int | None]:
     is set back, in bytes; None where that is not possible."""
     try:
         with open(_STATUS, encoding="utf-8") as file:
-            found = {key: 1024 * int(kilobytes) for key, kilobytes in _RESIDENT.findall(file.read())}
+            sizes = {key: 1024 * int(kilobytes) for key, kilobytes in _RESIDENT.findall(file.read())}
         with open(_CLEAR, "w", encoding="ascii") as file:
             file.write(_SET_BACK)
-        return found["VmHWM"], found["VmRSS"]
+        return sizes["VmHWM"], sizes["VmRSS"]
     except (OSError, ValueError, KeyError):
         try:
             import resource

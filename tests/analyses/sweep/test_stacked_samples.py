@@ -30,7 +30,9 @@ def test_samples_in_stacks_are_those_of_their_scenes_in_any_chunks(name, monkeyp
 
 def test_numbers_that_elements_refuse_have_the_same_reason(monkeypatch):
     study = mb.read_scene(EXAMPLES / "quarter_car.toml").sweep(VARIED["quarter_car"], keep=["frequencies"], samples=2)
-    rows = [{"body": body, "damper": damper} for body, damper in ((300.0, 1500.0), (-1.0, 1500.0), (300.0, -1500.0), (1e-300, 1500.0))]
+    rows = [
+        {"body": body, "damper": damper} for body, damper in ((300.0, 1500.0), (-1.0, 1500.0), (300.0, -1500.0), (1e-300, 1500.0))
+    ]
     stacked = evaluation.evaluate(study.job, rows)
     monkeypatch.setattr(evaluation, "stacked_samples", lambda scene, rows: None)
     given = evaluation.evaluate(study.job, rows)
