@@ -104,9 +104,11 @@ def extrema(function: BohlFunction, start: float, end: float) -> Extrema:
     search.run()
     searched = Extrema(search.best[0], -search.best[1], search.times[0], search.times[1], search.margin)
     extremes = searched.with_values(function)
+    if not hasattr(function, "rough"):
+        return extremes
     differences = np.abs([searched.maximum - extremes.maximum, searched.minimum - extremes.minimum]).max(axis=0, initial=0.0)
     unlike = differences > EPS**0.5 * extremes.largest  # modes that float64 does not resolve were not searched
-    return replace(extremes, margin=np.where(unlike, np.inf, extremes.margin))
+    return replace(extremes, margin=np.where(unlike & (extremes.largest > 0), np.inf, extremes.margin))
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import mbconstrained as mb
+from mbconstrained.frequency.extrema import extrema
 from mbconstrained.response.methods.proved import ProvedCombination
 
 
@@ -61,6 +62,7 @@ def test_rows_that_vanish_by_symmetry_are_zero_and_others_are_not():
     ends, times = np.array([[1.0, 0.0, -1.0]]), np.linspace(0.0, 20.0, 1001)
     alike = system.solve([0.0, 1.0, 0.0]).function.differential(ends)
     assert isinstance(alike, ProvedCombination) and not alike(times).any()
+    assert not extrema(alike, 0.0, 20.0).is_open.any()
     late = mb.step([1.0, 0.0, 0.0]).delayed(19.9)
     unlike = system.solve([0.0, 1.0, 0.0], force=late).function.differential(ends)(times)
     assert np.abs(unlike[0, times < 19.9]).max() < 1e-14 and np.isclose(unlike[0, -1], 0.1**2 / 2, rtol=0.01)
