@@ -152,7 +152,7 @@ def test_jumps_impulses_and_constraints_have_the_units(tmp_path):
 @pytest.mark.parametrize(
     ("unit", "name", "factor"),
     [
-        ("m", "mm", 1e3), ("m/s", "mm/s", 1e3), ("m/s^2", "m/s^2", 1), ("rad", "deg", 180 / np.pi), ("rad/s", "rpm", 30 / np.pi),
+        ("m", "mm", 1e3), ("m/s", "mm/s", 1e3), ("m/s^2", "m/s^2", 1), ("rad", "deg", 180 / np.pi), ("rad/s", "rev/min", 30 / np.pi),
         ("rad/s^2", "deg/s^2", 180 / np.pi), ("N", "kN", 1e-3), ("N m", "kN m", 1e-3), ("N s^2", "kN s^2", 1e-3),
         ("J", "J", 1), ("1", "1", 1), ("1/s", "1/s", 1), ("V", "V", 1),
     ],
