@@ -65,9 +65,8 @@ class Extrema:
     minimum: np.ndarray
     maximum_time: np.ndarray  # in s; that of a limit from the left is the last float64 number before the jump
     minimum_time: np.ndarray
-    margin: (
-        np.ndarray
-    )  # bound of the excess of the extrema over these values; 0 except for very many periods, infinite for modes below rounding
+    # Bound of the excess of the extrema over these values: 0 except for motions of very many periods, infinite for modes below rounding.
+    margin: np.ndarray
 
     @property
     def is_open(self) -> np.ndarray:

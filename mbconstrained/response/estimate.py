@@ -28,7 +28,8 @@ from ..linalg.division import accurate_product, solution
 from ..linalg.exponential import block_states
 from ..signals.bohl import BohlFunction
 from .flow import Flow
-from .methods.proved import ProvedFunction, are_right
+from .methods.defect import are_right
+from .methods.proved import ProvedFunction
 from .methods.reduced_solution import FlowFunction
 from .response_notices import SolvedProblem
 

@@ -36,7 +36,7 @@ LINES = {
     "models": 1939,
     "page": 5386,
     "polynomial": 3790,
-    "response": 8494,
+    "response": 8497,
     "robot": 9346,
     "scene": 11375,
     "signals": 1897,

@@ -9,7 +9,7 @@ from math import ceil, fsum, log2
 
 import numpy as np
 
-from ...ground.tolerances import DIVISOR_CONDITION, EPS
+from ...ground.tolerances import DIVISOR_CONDITION, EPS, PROVED_ACCURACY
 from ...linalg.arrays import full, kept
 from ...linalg.blocks import block_matrix, block_slices
 from ...linalg.exponential import block_states
@@ -669,6 +669,11 @@ def _times(x: np.ndarray, J: np.ndarray) -> np.ndarray:
     if len(first):
         product[:, filled] = np.add.reduceat(x[:, row] * J[row, column], first, axis=1)
     return product
+
+
+def are_right(values: np.ndarray, errors: np.ndarray, accuracy: float = PROVED_ACCURACY) -> np.ndarray:
+    """Which values are right to this accuracy relative to the largest one at their time."""
+    return errors <= accuracy * np.abs(values).max(axis=0, initial=0.0)
 
 
 def is_exact(force: ImpulsiveSmooth) -> bool:

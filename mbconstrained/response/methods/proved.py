@@ -22,7 +22,7 @@ from ...ground.tolerances import CANCELLED_ROW, EPS, PROVED_ACCURACY
 from ...signals.bohl import BohlFunction
 from ..events import Event, without_zeros
 from ..flow import LATER
-from .defect import Defect
+from .defect import Defect, are_right
 from .refined import RefinedDefect
 
 if TYPE_CHECKING:
@@ -282,8 +282,10 @@ class ProvedCombination(BohlFunction):
     def _values(self, times: np.ndarray) -> np.ndarray:
         values = self.rough._values(times)
         if len(times) <= MOST_TIMES and self.of.is_provable:
-            ordered, pieces = np.sort(times), self.restarts.located(np.sort(times))[0]
-            last = np.flatnonzero(np.diff(pieces, append=-1))  # of each piece, where a row that does not vanish has begun to move
+            ordered = np.sort(times)
+            last = np.flatnonzero(
+                np.diff(self.restarts.located(ordered)[0], append=-1)
+            )  # of each piece, where a row that does not vanish has begun to move
             some = ordered[np.unique([*range(0, len(times), len(times) // SAMPLED_ZEROS + 1), *last])]
             for row in np.flatnonzero(self.cancelled).tolist():  # rows that vanish by symmetry are zero there, and everywhere
                 values[row] = self._proved(row, times) if self._proved(row, some).any() else 0.0
@@ -312,11 +314,6 @@ class ProvedCombination(BohlFunction):
         return self.mapped(real_number(factor, "factor") * np.eye(self.size))
 
     __rmul__ = __mul__
-
-
-def are_right(values: np.ndarray, errors: np.ndarray, accuracy: float = PROVED_ACCURACY) -> np.ndarray:
-    """Which values are right to this accuracy relative to the largest one at their time."""
-    return errors <= accuracy * np.abs(values).max(axis=0, initial=0.0)
 
 
 def proved_event(exact: ExactResponse, event: Event, initial: np.ndarray) -> Event:

@@ -25,7 +25,7 @@ from ...polynomial.coefficients import Factors
 from ...polynomial.reduced_equations import Reduction
 from ...signals.bohl import BohlFunction, FreeRestarts, Restarts
 from ..flow import Flow
-from .defect import FORCE_ROUNDING, BoundedModes, Defect, divided_by_masses
+from .defect import FORCE_ROUNDING, BoundedModes, Defect, are_right, divided_by_masses
 
 #: Rounding errors of a sum of modes in float64, whose phases are more precise, in units of EPS relative to the size of its terms.
 SUMMED_IN_FLOAT64 = 12.0
@@ -494,7 +494,7 @@ class RefinedDefect(Defect):
         Phases have always twice the digits; exponentials and sums where those of float64 do not suffice.
         """
         values, errors = self.rounded(matrix, order, times, accuracy)
-        if len(late := np.flatnonzero(errors > accuracy * np.abs(values).max(axis=0, initial=0.0))):
+        if len(late := np.flatnonzero(~are_right(values, errors, accuracy))):
             values[:, late], errors[late] = self.doubled(matrix, order, times[late], accuracy)
         return values, errors
 
